@@ -133,20 +133,6 @@ struct Told {
     std::string event;
 };
 
-class ToldPage : public ui::EventSource {
-public:
-    explicit ToldPage(Told& told) : told_(told) {}
-    [[nodiscard]] std::string next() override {
-        const std::scoped_lock lock(told_.mutex);
-        return std::exchange(said_, told_.event) == told_.event ? "event: live\ndata: {}\n\n"
-                                                                : told_.event;
-    }
-
-private:
-    Told& told_;
-    std::string said_;
-};
-
 }  // namespace
 
 TEST_CASE("in every state the page says what is, bars what cannot be asked, and can be read",
@@ -163,7 +149,11 @@ TEST_CASE("in every state the page says what is, bars what cannot be asked, and 
                                                                : "css"));
     };
     spec.open = [&told](bool /*shown*/, bool /*still*/) {
-        return std::make_unique<ToldPage>(told);
+        return [&told, said = std::string()]() mutable -> std::optional<std::string> {
+            const std::scoped_lock lock(told.mutex);
+            return std::exchange(said, told.event) == told.event ? "event: live\ndata: {}\n\n"
+                                                                 : told.event;
+        };
     };
     const ui::PageServer server(std::move(spec));
     tests::DevTools page(server.address());

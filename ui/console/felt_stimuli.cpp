@@ -28,10 +28,9 @@ const protocols::FrictionSpec& friction_named(const protocols::Protocol& protoco
 }
 
 /// What the rule of a protocol may choose: its ends, and what is between them.
-std::vector<std::pair<std::string, Presentation>> rule_stimuli(
-    const protocols::Protocol& protocol) {
+std::vector<FeltStimulus> rule_stimuli(const protocols::Protocol& protocol) {
     const protocols::AdaptiveSpec& rule = *protocol.procedure;
-    std::vector<std::pair<std::string, Presentation>> all;
+    std::vector<FeltStimulus> all;
     for (const protocols::RunSpec& run : protocol.runs) {
         const Presentation standard{
             .object =
@@ -55,11 +54,11 @@ std::vector<std::pair<std::string, Presentation>> rule_stimuli(
     return all;
 }
 
-std::vector<std::pair<std::string, Presentation>> stimuli_of(const protocols::Protocol& protocol) {
+std::vector<FeltStimulus> stimuli_of(const protocols::Protocol& protocol) {
     if (protocol.procedure) {
         return rule_stimuli(protocol);
     }
-    std::vector<std::pair<std::string, Presentation>> all;
+    std::vector<FeltStimulus> all;
     for (const auto& object : protocol.objects) {
         for (const auto& friction : protocol.frictions) {
             all.emplace_back(fmt::format("{}, friction {}", object.name, friction.name),
@@ -92,8 +91,8 @@ FeltStimuli::FeltStimuli(std::string protocol,
 std::string FeltStimuli::event() const {
     const std::scoped_lock lock(mutex_);
     data::Json names = data::Json::array();
-    for (const Stimulus& one : stimuli_) {
-        names.push_back(one.name);
+    for (const FeltStimulus& one : stimuli_) {
+        names.push_back(one.first);
     }
     return event_text(
         "felt",
@@ -121,12 +120,10 @@ std::string FeltStimuli::ask(const std::string& line, bool gone) {
 
 void FeltStimuli::read_again() {
     opened_.reset();
-    std::vector<Stimulus> stimuli;
+    std::vector<FeltStimulus> stimuli;
     try {
         rig_.study = load_study(protocol_);
-        for (auto& [name, felt] : stimuli_of(rig_.study.protocol)) {
-            stimuli.push_back({std::move(name), std::move(felt)});
-        }
+        stimuli = stimuli_of(rig_.study.protocol);
     } catch (const std::exception&) {  // the page has the problem at its line
     }
     {
@@ -144,20 +141,26 @@ void FeltStimuli::say_on_page(std::optional<std::size_t> on, std::string text) {
 }
 
 void FeltStimuli::feel_asked() {
-    std::optional<Stimulus> one;
+    std::optional<FeltStimulus> one;
     {
         const std::scoped_lock lock(mutex_);
         if (const auto at = std::exchange(asked_, std::nullopt)) {
             one = stimuli_.at(*at);
             on_ = at;
-            said_ = "the device is opened for " + one->name;
+            said_ = "the device is opened for " + one->first;
         }
     }
     if (!one) {
         return;
     }
     try {
-        open();
+        if (!opened_) {
+            refuse_if(
+                rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind),
+                "the protocol asks for a dead-man key, which the window of a session has: palpate "
+                "run with --kind pilot lets one feel it");
+            opened_ = open_and_check(rig_);
+        }
         feel(*one);
     } catch (const std::exception& e) {
         opened_.reset();
@@ -165,29 +168,18 @@ void FeltStimuli::feel_asked() {
     }
 }
 
-void FeltStimuli::open() {
-    if (opened_) {
-        return;
-    }
-    refuse_if(rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind),
-              "the protocol asks for a dead-man key, which the window of a session has: palpate "
-              "run with --kind pilot lets one feel it");
-    opened_ = open_and_check(rig_);
-}
-
 /// What a session's exploration does, without whatever would be kept.
-void FeltStimuli::feel(const Stimulus& one) {
+void FeltStimuli::feel(const FeltStimulus& one) {
     protocols::Apparatus& port = *opened_->port;
-    const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.felt);
+    const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.second);
     const StopLines lines("", "preview of " + protocol_ + '\n', {},
                           {.stop =
                                [&](const char*) {
                                    stop_ = true;
                                    port.stop();
                                },
-                           .bar = [](const char*) {},
                            .types = held_by_a_person(rig_.device.kind)});
-    say_on_page(on_, "felt now: " + one.name);
+    say_on_page(on_, "felt now: " + one.first);
     std::array<engine::TickRecord, 256> ticks{};
     double strongest = 0.0;
     std::size_t felt = 0;
@@ -220,7 +212,7 @@ void FeltStimuli::feel(const Stimulus& one) {
     const std::string trouble = port.trouble();
     say_on_page(std::nullopt, !faulted || stop_
                                   ? fmt::format("{}: {} ticks, {:.2f} N at most; nothing was kept",
-                                                one.name, felt, strongest)
+                                                one.first, felt, strongest)
                               : trouble.empty() ? std::string(explanation(port.trip()))
                                                 : trouble);
     if (faulted) {

@@ -5,12 +5,16 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocols/trial/presentation.hpp"
 #include "ui/session/open_apparatus.hpp"
 
 namespace palpate::ui {
+
+/// By its name on the page.
+using FeltStimulus = std::pair<std::string, protocols::Presentation>;
 
 /// What a protocol lets one feel, one stimulus at a time as whoever looks at its preview asks for
 /// it: by the same servo and safety chain as in a pilot, and nothing is kept.
@@ -41,12 +45,7 @@ public:
     void feel_asked();
 
 private:
-    struct Stimulus {
-        std::string name;
-        protocols::Presentation felt;
-    };
-    void open();
-    void feel(const Stimulus& one);
+    void feel(const FeltStimulus& one);
     void say_on_page(std::optional<std::size_t> on, std::string text);
 
     std::string protocol_;
@@ -55,7 +54,7 @@ private:
     std::optional<OpenedApparatus> opened_;
 
     mutable std::mutex mutex_;
-    std::vector<Stimulus> stimuli_;
+    std::vector<FeltStimulus> stimuli_;
     std::optional<std::size_t> asked_;
     std::optional<std::size_t> on_;
     std::string said_;

@@ -89,9 +89,9 @@ const char* type_of(std::string_view path) {
 }
 
 struct Stream {
-    std::unique_ptr<EventSource> source;
-    const std::atomic<bool>* ends = nullptr;
-    std::string waiting;
+    EventSource source;
+    const std::atomic<bool>& ends;
+    std::string waiting{};
     std::int64_t asked_ns = 0;
 };
 
@@ -99,12 +99,13 @@ ssize_t read_stream(void* at, std::uint64_t /*from*/, char* bytes, std::size_t r
     auto& stream = *static_cast<Stream*>(at);
     try {
         while (stream.waiting.empty()) {
-            if (*stream.ends || stream.source->over()) {
-                return MHD_CONTENT_READER_END_OF_STREAM;
-            }
             sleep_until(stream.asked_ns + PageServer::kPace);
             stream.asked_ns = monotonic_ns();
-            stream.waiting = stream.source->next();
+            auto news = stream.ends ? std::nullopt : stream.source();
+            if (!news) {
+                return MHD_CONTENT_READER_END_OF_STREAM;
+            }
+            stream.waiting = *std::move(news);
         }
     } catch (const std::exception&) {
         return MHD_CONTENT_READER_END_WITH_ERROR;
@@ -154,23 +155,24 @@ private:
 
 /// One request, from its head to its answer.
 struct PageRequest {
+    PageServer& server;
+    MHD_Connection* connection;
     std::string body{};
     bool too_long = false;
 
-    static MHD_Result answer(MHD_Connection* connection,
-                             unsigned code,
-                             std::string_view text,
-                             std::string_view type = "text/plain; charset=utf-8",
-                             const std::vector<std::pair<std::string, std::string>>& more = {}) {
+    using Headers = std::vector<std::pair<std::string, std::string>>;
+    [[nodiscard]] MHD_Result answer(unsigned code,
+                                    std::string_view text,
+                                    std::string_view type = "text/plain; charset=utf-8",
+                                    const Headers& more = {}) const {
         MHD_Response* response = MHD_create_response_from_buffer(
             text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY);  // NOLINT: copied
-        return queue(connection, code, response, type, more);
+        return queue(code, response, type, more);
     }
-    static MHD_Result queue(MHD_Connection* connection,
-                            unsigned code,
-                            MHD_Response* response,
-                            std::string_view type,
-                            const std::vector<std::pair<std::string, std::string>>& more = {}) {
+    [[nodiscard]] MHD_Result queue(unsigned code,
+                                   MHD_Response* response,
+                                   std::string_view type,
+                                   const Headers& more = {}) const {
         MHD_add_response_header(response, "Content-Type", std::string(type).c_str());
         for (const auto& [key, value] : kHeaders) {
             MHD_add_response_header(response, key, value);
@@ -184,7 +186,7 @@ struct PageRequest {
     }
 
     /// Whoever asks came by this server's own name, and from its own page or by hand.
-    static bool comes_from_here(const PageServer& server, MHD_Connection* connection, bool acts) {
+    [[nodiscard]] bool comes_from_here(bool acts) const {
         const std::string_view host = value_of(connection, MHD_HEADER_KIND, "Host");
         const std::string local = "localhost:" + server.port_;
         const bool here = host == server.host_ || (server.spec_.address == PageServerSpec::kHere &&
@@ -196,81 +198,76 @@ struct PageRequest {
                (origin.empty() ? !acts : origin == own);
     }
 
-    static MHD_Result trade(const PageServer& server, MHD_Connection* connection) {
+    [[nodiscard]] MHD_Result trade() const {
         const std::string_view token = value_of(connection, MHD_GET_ARGUMENT_KIND, "token");
         if (!same_secret(token, server.spec_.token)) {
-            return answer(connection, MHD_HTTP_FORBIDDEN, "not the token of this page\n");
+            return answer(MHD_HTTP_FORBIDDEN, "not the token of this page\n");
         }
         return answer(
-            connection, MHD_HTTP_SEE_OTHER, "", "text/plain",
+            MHD_HTTP_SEE_OTHER, "", "text/plain",
             {{"Location", "/"},
              {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}",
                                         server.cookie_name_, server.spec_.cookie,
                                         server.spec_.certificate.empty() ? "" : "; Secure")}});
     }
 
-    static MHD_Result get(PageServer& server, MHD_Connection* connection, std::string_view path) {
+    [[nodiscard]] MHD_Result get(std::string_view path) const {
         if (path == "/favicon.ico") {
-            return answer(connection, MHD_HTTP_NO_CONTENT, "", "image/x-icon");
+            return answer(MHD_HTTP_NO_CONTENT, "", "image/x-icon");
         }
         if (path == "/stream") {
-            auto stream = std::make_unique<Stream>();
             const auto asks = [&](const char* key) {
                 return !value_of(connection, MHD_GET_ARGUMENT_KIND, key).empty();
             };
-            stream->source = server.spec_.open(asks("shown"), asks("still"));
-            stream->ends = &server.ends_;
+            auto* stream =
+                new Stream{server.spec_.open(asks("shown"), asks("still")), server.ends_};
             MHD_Response* response = MHD_create_response_from_callback(
-                MHD_SIZE_UNKNOWN, 16384, &read_stream, stream.release(),
-                [](void* at) { delete static_cast<Stream*>(at); });  // NOLINT: as it was released
-            return queue(connection, MHD_HTTP_OK, response, "text/event-stream");
+                MHD_SIZE_UNKNOWN, 16384, &read_stream, stream,
+                [](void* at) { delete static_cast<Stream*>(at); });  // NOLINT: as above
+            return queue(MHD_HTTP_OK, response, "text/event-stream");
         }
         const auto file = server.spec_.file(path);
-        return !file ? answer(connection, MHD_HTTP_NOT_FOUND, "there is no such page\n")
-                     : answer(connection, MHD_HTTP_OK, *file, type_of(path));
+        return !file ? answer(MHD_HTTP_NOT_FOUND, "there is no such page\n")
+                     : answer(MHD_HTTP_OK, *file, type_of(path));
     }
 
-    MHD_Result act(const PageServer& server, MHD_Connection* connection) const {
+    [[nodiscard]] MHD_Result act() const {
         if (!server.spec_.act) {
-            return answer(connection, MHD_HTTP_FORBIDDEN,
+            return answer(MHD_HTTP_FORBIDDEN,
                           answer_of(false, "this page may only look: --act lets it act"),
                           "application/json");
         }
         if (too_long ||
             value_of(connection, MHD_HEADER_KIND, "Content-Type") != "application/json") {
-            return answer(connection, MHD_HTTP_BAD_REQUEST,
-                          answer_of(false, "one short JSON object is taken"), "application/json");
+            return answer(MHD_HTTP_BAD_REQUEST, answer_of(false, "one short JSON object is taken"),
+                          "application/json");
         }
         const MHD_ConnectionInfo* line =
             MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
         pollfd other_end{.fd = line->connect_fd, .events = POLLRDHUP, .revents = 0};
-        return answer(connection, MHD_HTTP_OK, server.spec_.act(body, poll(&other_end, 1, 0) > 0),
+        return answer(MHD_HTTP_OK, server.spec_.act(body, poll(&other_end, 1, 0) > 0),
                       "application/json");
     }
 
-    MHD_Result handle(PageServer& server,
-                      MHD_Connection* connection,
-                      std::string_view method,
-                      std::string_view path) const {
+    [[nodiscard]] MHD_Result handle(std::string_view method, std::string_view path) const {
         const bool acts = method == "POST" && path == "/do";
         if (!acts && method != "GET") {
-            return answer(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "not here\n");
+            return answer(MHD_HTTP_METHOD_NOT_ALLOWED, "not here\n");
         }
-        if (!comes_from_here(server, connection, acts)) {
-            return answer(connection, MHD_HTTP_FORBIDDEN, "not from this page\n");
+        if (!comes_from_here(acts)) {
+            return answer(MHD_HTTP_FORBIDDEN, "not from this page\n");
         }
         if (!acts && path == "/" &&
             MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "token") != nullptr) {
-            return trade(server, connection);
+            return trade();
         }
         const std::string_view cookie =
             value_of(connection, MHD_COOKIE_KIND, server.cookie_name_.c_str());
         if (!same_secret(cookie, server.spec_.cookie)) {
-            return answer(connection, MHD_HTTP_FORBIDDEN,
-                          "open the address that palpate console printed\n");
+            return answer(MHD_HTTP_FORBIDDEN, "open the address that palpate console printed\n");
         }
         server.strangers_->forget(connection);
-        return acts ? act(server, connection) : get(server, connection, path);
+        return acts ? act() : get(path);
     }
 
     static MHD_Result heard(void* at,
@@ -283,7 +280,8 @@ struct PageRequest {
                             void** request) {
         try {
             if (*request == nullptr) {
-                *request = new PageRequest;  // NOLINT: deleted by completed()
+                *request = new PageRequest{*static_cast<PageServer*>(at),
+                                           connection};  // NOLINT: completed()
                 return MHD_YES;
             }
             auto& self = *static_cast<PageRequest*>(*request);
@@ -295,7 +293,7 @@ struct PageRequest {
                 *upload_size = 0;
                 return MHD_YES;
             }
-            return self.handle(*static_cast<PageServer*>(at), connection, method, url);
+            return self.handle(method, url);
         } catch (const std::exception&) {  // the connection is closed
             return MHD_NO;
         }

@@ -21,20 +21,10 @@ struct MHD_Daemon;
 /// silence have limits; of many without the cookie who came first makes room.
 namespace palpate::ui {
 
-/// What one open page gets: server-sent events.
-class EventSource {
-public:
-    EventSource() = default;
-    EventSource(const EventSource&) = delete;
-    EventSource& operator=(const EventSource&) = delete;
-    virtual ~EventSource() = default;
-
-    /// What is new since the last call, as "event: ...\ndata: ...\n\n"; empty: nothing. Called
-    /// again and again on a thread of the page's own.
-    [[nodiscard]] virtual std::string next() = 0;
-    /// Nothing will ever be new again: the page is let go.
-    [[nodiscard]] virtual bool over() const { return false; }
-};
+/// What one open page gets, on a thread of its own: what is new since the last call as server-sent
+/// events, "event: ...\ndata: ...\n\n"; empty: nothing. None: nothing will ever be, and the page is
+/// let go.
+using EventSource = std::function<std::optional<std::string>()>;
 
 struct PageServerSpec {
     static constexpr const char* kHere = "127.0.0.1";
@@ -49,7 +39,7 @@ struct PageServerSpec {
     std::function<std::optional<std::string>(std::string_view path)> file{};
     /// @param shown  the page asks for what is felt as well
     /// @param still  it is hidden behind another one: for no more than where the session is
-    std::function<std::unique_ptr<EventSource>(bool shown, bool still)> open{};
+    std::function<EventSource(bool shown, bool still)> open{};
     /// A JSON object -> a JSON object, on any thread. None: the page may only look.
     /// @param gone  whoever asked has given up: what is done late is not what they meant
     std::function<std::string(const std::string&, bool gone)> act{};

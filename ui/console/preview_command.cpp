@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <mutex>
@@ -171,38 +172,27 @@ private:
     std::uint64_t version_ = 0;
 };
 
-class DrawnStream : public EventSource {
-public:
-    /// @param felt  null: nothing is
-    DrawnStream(const Drawn& drawn, const FeltStimuli* felt)
-        : drawn_(drawn), felt_(felt), said_ns_(monotonic_ns()) {}
-    [[nodiscard]] std::string next() override {
-        std::string drawn = drawn_.event();
-        std::string felt = felt_ == nullptr ? "" : felt_->event();
-        std::string news = (drawn != drawn_said_ ? drawn : "") + (felt != felt_said_ ? felt : "");
-        drawn_said_ = std::move(drawn);
-        felt_said_ = std::move(felt);
-        if (news.empty() && monotonic_ns() - said_ns_ > 5'000 * kMillisecond) {
+/// What a page has not yet been told; at least every 5 s that it is still there.
+/// @param felt  null: nothing is
+EventSource stream_of(const Drawn& drawn, const FeltStimuli* felt) {
+    return [&drawn, felt, said = std::array<std::string, 2>(),
+            said_ns = monotonic_ns()]() mutable -> std::optional<std::string> {
+        std::array now{drawn.event(), felt == nullptr ? "" : felt->event()};
+        std::string news = (now[0] != said[0] ? now[0] : "") + (now[1] != said[1] ? now[1] : "");
+        said = std::move(now);
+        if (news.empty() && monotonic_ns() - said_ns > 5'000 * kMillisecond) {
             news = ": still here\n\n";
         }
-        said_ns_ = news.empty() ? said_ns_ : monotonic_ns();
+        said_ns = news.empty() ? said_ns : monotonic_ns();
         return news;
-    }
-
-private:
-    const Drawn& drawn_;
-    const FeltStimuli* felt_;
-    std::string drawn_said_;
-    std::string felt_said_;
-    std::int64_t said_ns_;
-};
+    };
+}
 
 int run(const PreviewOptions& options) {
-    if (std::error_code unknown; !fs::exists(options.protocol, unknown)) {
-        throw std::invalid_argument(
-            fmt::format("{}: there is no such file; palpate new makes one of a shipped protocol",
-                        options.protocol));
-    }
+    std::error_code unknown;
+    refuse_if(!fs::exists(options.protocol, unknown),
+              "{}: there is no such file; palpate new makes one of a shipped protocol",
+              options.protocol);
     catch_signals();
     std::optional<FeltStimuli> felt;
     if (!options.device.empty()) {
@@ -221,7 +211,7 @@ int run(const PreviewOptions& options) {
                                       : drawn.file(path);
     };
     spec.open = [&drawn, &felt](bool /*shown*/, bool /*still*/) {
-        return std::make_unique<DrawnStream>(drawn, felt ? &*felt : nullptr);
+        return stream_of(drawn, felt ? &*felt : nullptr);
     };
     if (felt) {
         spec.act = [&felt](const std::string& line, bool gone) {
