@@ -17,7 +17,6 @@
 #include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/font.hpp"
-#include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
 namespace palpate::ui {
@@ -198,8 +197,8 @@ void add_simulated_observer(Observers& observers,
     }
     observers.simulated = make_simulated_observer(spec, plan, apparatus);
     if (wants_window(spec.screen)) {
-        observers.screen = std::make_unique<SpectatorScreen>(
-            *observers.simulated, screen_options(spec, apparatus, desk, live));
+        observers.screen =
+            spectator_screen(*observers.simulated, screen_options(spec, apparatus, desk, live));
     }
 }
 

@@ -1,9 +1,16 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <stdexcept>
+#include <thread>
 
+#include <fmt/format.h>
+
+#include "engine/base/clock.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/observer.hpp"
+#include "ui/sound/faded_noise.hpp"
 #include "ui/sound/noise_player.hpp"
 
 namespace palpate::ui {
@@ -17,42 +24,109 @@ namespace palpate::ui {
 /// heard is an event "masking" with the number of the trial as shown; where masking is `required`
 /// the next ready() throws then.
 class MaskedObserver : public protocols::Observer {
+    using Signal = protocols::Signal;
+    using TrialView = protocols::TrialView;
+
 public:
     /// All outlive this one.
     MaskedObserver(protocols::Observer& observer,
                    NoisePlayer& player,
                    protocols::Recorder& recorder,
-                   bool required);
-    ~MaskedObserver() override;
+                   bool required)
+        : observer_(observer), player_(player), recorder_(recorder), required_(required) {}
+    ~MaskedObserver() override { player_.off(); }
 
-    [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override {
+    [[nodiscard]] Signal welcome(const protocols::SessionView& session) override {
         return observer_.welcome(session);
     }
     /// @throws std::runtime_error if the device is lost and masking is required
-    [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
-    [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
+    [[nodiscard]] Signal ready(const TrialView& trial) override {
+        if (required_ && !player_.works()) {
+            recorder_.event({.kind = protocols::EventKind::masking,
+                             .text = "the sound device was lost: the session ends"});
+            throw std::runtime_error(
+                "the sound device for the masking noise was lost: connect it again, then give the "
+                "same command to go on");
+        }
+        trial_ = fmt::format("{} {}", trial.practice ? "practice" : "trial", trial.number);
+        player_.on();
+        const Signal signal = observer_.ready(trial);
+        if (signal != Signal::go_on) {
+            end();
+            return signal;
+        }
+        begin();
+        return signal;
+    }
+    [[nodiscard]] protocols::ExplorationStep explore(const TrialView& trial,
                                                      double elapsed_s) override {
         return observer_.explore(trial, elapsed_s);
     }
     void feel(std::span<const engine::TickRecord> ticks) override { observer_.feel(ticks); }
-    [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           const protocols::Question& question) override;
-    [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
-                                             bool correct) override {
+    [[nodiscard]] protocols::Choice choose(const TrialView& trial,
+                                           const protocols::Question& question) override {
+        end();
+        return observer_.choose(trial, question);
+    }
+    [[nodiscard]] Signal feedback(const TrialView& trial, bool correct) override {
         return observer_.feedback(trial, correct);
     }
     /// Between two intervals of a trial the noise goes on, and after an answer there is none.
-    [[nodiscard]] protocols::Signal gap(double seconds) override { return observer_.gap(seconds); }
-    [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
-    [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
-    [[nodiscard]] std::optional<protocols::Signal> trouble(
-        const protocols::TroubleView& view) override;
-    void finish(const protocols::SessionView& session) override;
+    [[nodiscard]] Signal gap(double seconds) override { return observer_.gap(seconds); }
+    [[nodiscard]] Signal rest(double seconds, const TrialView& next) override {
+        end();
+        return observer_.rest(seconds, next);
+    }
+    [[nodiscard]] Signal pause(const TrialView& next) override {
+        end();
+        return observer_.pause(next);
+    }
+    [[nodiscard]] std::optional<Signal> trouble(const protocols::TroubleView& view) override {
+        end();
+        return observer_.trouble(view);
+    }
+    void finish(const protocols::SessionView& session) override {
+        end();
+        observer_.finish(session);
+    }
 
 private:
-    void begin();
-    void end();
-    void note_silence();
+    /// The noise is waited for at most this long, s: the fade, and what a sound server may buffer.
+    static constexpr double kLongestWait = kFade + 0.75;
+    /// A device that plays slower than it says by this share is no event: a trial takes up to a
+    /// minute.
+    static constexpr double kSlowBearable = 0.05;
+    /// What the noise may lack of a trial before that is an event, s: devices take it in pieces,
+    /// and their clocks run a little differently.
+    static constexpr double kSilenceBearable = 0.2;
+
+    void begin() {
+        const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(kLongestWait * 1e9);
+        while (!player_.full() && player_.works() && monotonic_ns() < until) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        if (full_ns_ == 0) {
+            full_ns_ = monotonic_ns();
+            full_s_ = player_.full_s();
+        }
+    }
+    void end() {
+        if (full_ns_ != 0) {
+            note_silence();
+            full_ns_ = 0;
+        }
+        player_.off();
+    }
+    void note_silence() {
+        const double wanted = static_cast<double>(monotonic_ns() - full_ns_) * 1e-9;
+        const double missing = wanted - (player_.full_s() - full_s_);
+        if (missing > kSilenceBearable + kSlowBearable * wanted) {
+            recorder_.event({.kind = protocols::EventKind::masking,
+                             .text = fmt::format("{:.2f} s of {:.2f} s of {} were without noise",
+                                                 missing, wanted, trial_),
+                             .duration_s = missing});
+        }
+    }
 
     protocols::Observer& observer_;
     NoisePlayer& player_;
@@ -62,9 +136,5 @@ private:
     std::int64_t full_ns_ = 0;  ///< when the noise of the running trial had come in; 0: it has not
     double full_s_ = 0.0;       ///< what the player had played by then
 };
-
-/// What the noise may lack of a trial before that is an event, s: devices take it in pieces, and
-/// their clocks run a little differently.
-inline constexpr double kSilenceBearable = 0.2;
 
 }  // namespace palpate::ui

@@ -88,7 +88,6 @@ void draw_shape(Window& window,
     window.triangles(stroke(outline, thin), kOutline);
 }
 
-using engine::Vec2;
 using protocols::Question;
 using protocols::ResponseKind;
 
@@ -109,6 +108,35 @@ std::vector<Card> lay_out_words(std::size_t count, const Vec2& window) {
     const double gap = 0.05 * window.x;
     const double width = std::min(0.30 * window.x, (0.90 * window.x - (n - 1.0) * gap) / n);
     return in_a_row(count, {width, 0.24 * window.y}, gap, window);
+}
+
+/// An empty card, with a frame if it is chosen.
+void draw_blank(Window& window, const Card& card, bool chosen) {
+    if (chosen) {
+        const double frame = 0.2 * type_size(window.size());
+        window.triangles(
+            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
+            kAccent);
+    }
+    window.triangles(rectangle(card.corner, card.size), kCard);
+}
+
+/// The pictures on their cards, all at one scale and about one centre, with their numbers below.
+void draw_pictures(Window& window,
+                   std::span<const Card> cards,
+                   std::span<const protocols::Picture> pictures,
+                   std::optional<std::size_t> selected) {
+    const Box box = box_of(pictures);
+    const double type = type_size(window.size());
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const Card& card = cards[i];
+        const bool chosen = selected == i;
+        draw_blank(window, card, chosen);
+        window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
+        window.text(fmt::format("{}", i + 1),
+                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
+                    chosen ? kAccent : kText);
+    }
 }
 
 /// A card with text in its middle.
@@ -163,33 +191,6 @@ std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixe
         }
     }
     return std::nullopt;
-}
-
-void draw_blank(Window& window, const Card& card, bool chosen) {
-    if (chosen) {
-        const double frame = 0.2 * type_size(window.size());
-        window.triangles(
-            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
-            kAccent);
-    }
-    window.triangles(rectangle(card.corner, card.size), kCard);
-}
-
-void draw_pictures(Window& window,
-                   std::span<const Card> cards,
-                   std::span<const protocols::Picture> pictures,
-                   std::optional<std::size_t> selected) {
-    const Box box = box_of(pictures);
-    const double type = type_size(window.size());
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const Card& card = cards[i];
-        const bool chosen = selected == i;
-        draw_blank(window, card, chosen);
-        window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
-        window.text(fmt::format("{}", i + 1),
-                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
-                    chosen ? kAccent : kText);
-    }
 }
 
 std::vector<Card> lay_out_scale(std::size_t levels, const Vec2& window) {

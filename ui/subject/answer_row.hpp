@@ -32,17 +32,6 @@ struct Card {
 [[nodiscard]] std::optional<std::size_t> card_at(std::span<const Card> cards,
                                                  const engine::Vec2& pixel);
 
-/// An empty card, with a frame if it is chosen.
-void draw_blank(Window& window, const Card& card, bool chosen);
-
-/// Draws the pictures on their cards, all at one scale and about one centre, with their numbers
-/// below.
-/// @param selected  the card to highlight
-void draw_pictures(Window& window,
-                   std::span<const Card> cards,
-                   std::span<const protocols::Picture> pictures,
-                   std::optional<std::size_t> selected);
-
 /// Cards for the answers of `question` in a window of `window` pixels: pictures, two wide cards
 /// with words, or the squares of a scale.
 [[nodiscard]] std::vector<Card> lay_out_answers(const protocols::Question& question,

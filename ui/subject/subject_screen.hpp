@@ -100,4 +100,8 @@ private:
     std::optional<TroubleFace> in_trouble_;
 };
 
+/// A window onto a session that `observer` answers, and people look on. It outlives the screen.
+[[nodiscard]] std::unique_ptr<protocols::Observer> spectator_screen(
+    protocols::Observer& observer, const SubjectScreenOptions& options);
+
 }  // namespace palpate::ui

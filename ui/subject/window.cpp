@@ -33,10 +33,8 @@ using Own = std::unique_ptr<T, Delete>;
 
 template <class T>
 T* checked(T* made, std::string_view what) {
-    if (made == nullptr) {
-        throw std::runtime_error(
-            fmt::format("{} failed: {}; without a display use --headless", what, SDL_GetError()));
-    }
+    refuse_if<std::runtime_error>(
+        made == nullptr, "{} failed: {}; without a display use --headless", what, SDL_GetError());
     return made;
 }
 
