@@ -1,7 +1,6 @@
 #pragma once
 
 #include "protocols/file/calibration_file.hpp"
-#include "ui/session/version.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/process.hpp"
@@ -35,7 +34,7 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
     machine.pantograph.damping = done.record.damping;
     done.record.device = device;
     done.record.calibration = protocols::calibration_id(machine);
-    done.record.program = ui::kVersion;
+    done.record.program = PALPATE_VERSION;
     std::ofstream(folder.file("rig.toml")) << protocols::to_toml(machine, done.record);
     return folder.file("rig.toml");
 }

@@ -18,7 +18,6 @@
 #include "ui/rig/say.hpp"
 #include "ui/session/load_study.hpp"
 #include "ui/session/run_rig.hpp"
-#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -216,7 +215,7 @@ int run(const DoctorOptions& options) {
     report.look("font", [&] { return check_font(options.font); });
     report.look("disk", [&] { return check_disk(options.database); });
     if (options.json) {
-        say("{}", as_json(kVersion, report.checks()));
+        say("{}", as_json(PALPATE_VERSION, report.checks()));
     } else {
         say("{}", verdict(report.checks()));
     }

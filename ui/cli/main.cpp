@@ -11,7 +11,6 @@
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 
@@ -71,7 +70,7 @@ void hide_addresses(int argc, char** argv) {
 int main(int argc, char** argv) {
     try {
         const std::vector<Command> commands = all_commands();
-        const ParseResult parsed = parse_command_line(commands, kVersion, argc, argv);
+        const ParseResult parsed = parse_command_line(commands, PALPATE_VERSION, argc, argv);
         hide_addresses(argc, argv);
         return heard(parsed.command ? commands[*parsed.command].run() : parsed.code);
     } catch (const palpate::protocols::ProtocolError& e) {

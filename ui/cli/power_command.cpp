@@ -18,7 +18,7 @@
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/felt_hands.hpp"
+#include "ui/session/simulated_session.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -9,7 +9,6 @@
 #include "protocols/file/protocol_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -237,7 +236,7 @@ Command words_command(std::vector<Command> (*all)()) {
                           "--of is for words schema, and this is words {}: leave it out",
                           options->form);
                 say_to(stdout, options->form == "schema" ? protocols::json_schema(options->kind)
-                               : options->form == "man"  ? man_page(all(), kVersion)
+                               : options->form == "man"  ? man_page(all(), PALPATE_VERSION)
                                                          : bash_completion(all()));
                 return 0;
             }};

@@ -8,19 +8,13 @@
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {
 
-struct ReportWords {
-    std::string versions = "apart";
-    std::string database;
+struct ReportWords : AnswerWords {
     std::string output;
     std::optional<std::int64_t> trial;
-    std::string kind = "real";
-    std::string study;
-    bool keep_codes = false;
     std::vector<std::string> signals;
     std::int64_t simulations = 199;
     std::int64_t bootstrap = 500;
@@ -44,7 +38,7 @@ void declare_samples(CommandWords& words, ReportWords& options) {
 }
 
 void declare(CommandWords& words, ReportWords& options) {
-    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("FILE", options.file, "A palpate database; nothing in it is changed").required();
     words.add("-o,--output", options.output, "The page, as report.html").required();
     words.add("--trial", options.trial,
               "A page of one trial instead, by its trial_id: what the hand did, its path, every "
@@ -66,12 +60,13 @@ void declare(CommandWords& words, ReportWords& options) {
 
 int run(const ReportWords& words) {
     require_writable(words.output, "<!DOCTYPE");
-    data::Database database(words.database, data::Access::read);
+    data::Database database(words.file, data::Access::read);
     analyse(database, words.versions, words.study);
     const std::string page =
         words.trial
             ? data::trial_page(
-                  database, {.trial = *words.trial, .codes = words.keep_codes, .version = kVersion})
+                  database,
+                  {.trial = *words.trial, .codes = words.keep_codes, .version = PALPATE_VERSION})
             : data::study_page(database,
                                {.kind = words.kind,
                                 .study = words.study,
@@ -79,7 +74,7 @@ int run(const ReportWords& words) {
                                 .signals = words.signals,
                                 .simulations = static_cast<std::size_t>(words.simulations),
                                 .bootstrap = static_cast<std::size_t>(words.bootstrap),
-                                .version = kVersion});
+                                .version = PALPATE_VERSION});
     write_whole(words.output, page, words.keep_codes ? Rights::own : Rights::usual);
     say("{} ({} kB): open it in a browser, or print it\n", words.output,
         (page.size() + 999) / 1000);

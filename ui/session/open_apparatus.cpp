@@ -1,9 +1,15 @@
 #include "ui/session/open_apparatus.hpp"
 
+#include <array>
 #include <cmath>
+#include <csignal>
 #include <limits>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -11,6 +17,7 @@
 #include "protocols/trial/emulated_haply_apparatus.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
@@ -100,6 +107,77 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
     }
     return lines;
 }
+
+/// Keeps the machine from sleeping for as long as it lives, where systemd is there to be asked: a
+/// force that nobody renews while the machine wakes up is nothing to hold. It ends with this
+/// program, however that comes: the inhibitor waits for the end of a pipe.
+class StayAwake {
+public:
+    /// Never throws: without systemd the machine may sleep.
+    StayAwake() {
+        std::array<int, 2> life{-1, -1};
+        std::array<int, 2> word{-1, -1};
+        const bool piped = pipe2(life.data(), O_CLOEXEC) == 0 && pipe2(word.data(), O_CLOEXEC) == 0;
+        const Descriptor in(life[0]);
+        const Descriptor said(word[0]);
+        Descriptor out(word[1]);
+        pipe_ = Descriptor(life[1]);
+        if (piped) {
+            start(in.get(), out.get());
+            out = Descriptor();
+            char first = 0;
+            held_ =
+                pid_ > 0 && readable(said.get(), kPatienceMs) && read(said.get(), &first, 1) == 1;
+        }
+    }
+    StayAwake(const StayAwake&) = delete;
+    StayAwake& operator=(const StayAwake&) = delete;
+    ~StayAwake() {
+        pipe_ = Descriptor();
+        if (pid_ > 0) {
+            kill(pid_, SIGTERM);  // it may wait for its bus instead
+            waitpid(pid_, nullptr, 0);
+        }
+    }
+    /// For the record of a session: whether sleep is held off.
+    [[nodiscard]] std::string text() const {
+        return held_ ? "held off (systemd-inhibit)"
+                     : "not held off: systemd-inhibit is not there or was refused";
+    }
+
+private:
+    static constexpr int kPatienceMs = 2000;  ///< for a bus that answers slowly
+
+    void start(int in, int out) {
+        posix_spawn_file_actions_t files;
+        posix_spawn_file_actions_init(&files);
+        posix_spawn_file_actions_adddup2(&files, in, STDIN_FILENO);
+        posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO);
+        posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+        posix_spawnattr_t own_group;  // Ctrl+C ends a session in good order, and is not for this
+        posix_spawnattr_init(&own_group);
+        posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
+        std::array<const char*, 9> words{"systemd-inhibit",
+                                         "--what=sleep:idle:handle-lid-switch",
+                                         "--who=palpate",
+                                         "--why=a hand is on a device that gives force",
+                                         "--mode=block",
+                                         "sh",
+                                         "-c",
+                                         "echo held; cat > /dev/null",
+                                         nullptr};
+        if (posix_spawnp(&pid_, words[0], &files, &own_group, const_cast<char**>(words.data()),
+                         environ) != 0) {
+            pid_ = -1;
+        }
+        posix_spawnattr_destroy(&own_group);
+        posix_spawn_file_actions_destroy(&files);
+    }
+
+    pid_t pid_ = -1;
+    Descriptor pipe_{};  ///< the inhibitor lives until this is closed
+    bool held_ = false;
+};
 
 }  // namespace
 
@@ -192,8 +270,9 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
             "force limit", fmt::format("{:g} N: nobody proved the rig", protocols::kUnprovedForce));
     }
     if (pushes_a_person(spec.device.kind)) {
-        opened.awake = std::make_unique<StayAwake>();
-        opened.provenance.emplace_back("sleep", opened.awake->text());
+        auto awake = std::make_shared<StayAwake>();
+        opened.provenance.emplace_back("sleep", awake->text());
+        opened.awake = std::move(awake);
         const double holds = apparatus->device().traits().holds_force;
         if (std::isinf(holds)) {
             opened.findings.push_back({protocols::Verdict::warn, kKeepsForce});

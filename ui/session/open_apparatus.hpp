@@ -8,7 +8,6 @@
 #include "protocols/session/feasibility.hpp"
 #include "data/store/stored_progress.hpp"
 #include "ui/rig/rig_proof.hpp"
-#include "ui/rig/stay_awake.hpp"
 #include "ui/session/rig.hpp"
 
 namespace palpate::ui {
@@ -16,7 +15,7 @@ namespace palpate::ui {
 /// What a session is felt on, and what is to be known of it before the first trial.
 struct OpenedApparatus {
     std::unique_ptr<protocols::Apparatus> port;
-    std::unique_ptr<StayAwake> awake;  ///< where a person is to hold a device that gives force
+    std::shared_ptr<void> awake{};  ///< keeps the machine so where a person holds what gives force
     std::vector<protocols::Finding> findings;  ///< against device and protocol together
     double round_trip = 0.0;  ///< s from a question to the device's answer; 0: not measured
     std::string rest;         ///< when a contact on it comes to rest; empty: not known

@@ -11,14 +11,13 @@
 #include <SDL2/SDL_ttf.h>
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
+#include <link.h>
 #include <png.h>
-#include <sys/auxv.h>  // and elf.h
 #include <sys/utsname.h>
 
 #include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/verify/verify.hpp"
-#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -90,11 +89,11 @@ std::string find_id(const unsigned char* at, std::size_t size) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> provenance() {
+std::vector<std::pair<std::string, std::string>> provenance(const protocols::Protocol& protocol) {
     utsname system{};
     uname(&system);
     std::vector<std::pair<std::string, std::string>> rows{
-        {"palpate", kVersion},
+        {"palpate", PALPATE_VERSION},
         {"build id", build_id()},
         {"compiler", __VERSION__},
         {"libc", gnu_get_libc_version()},
@@ -110,42 +109,28 @@ std::vector<std::pair<std::string, std::string>> provenance() {
         {"processor", line_of("/proc/cpuinfo", "model name", ':')}};
     const auto of_data = data::library_versions();
     rows.insert(rows.end(), of_data.begin(), of_data.end());
-    return rows;
-}
-
-std::vector<std::pair<std::string, std::string>> provenance(const protocols::Protocol& protocol) {
-    auto rows = provenance();
     const auto objects = protocols::object_hashes(protocol);
     rows.insert(rows.end(), objects.begin(), objects.end());
     return rows;
 }
 
 std::string build_id() {
-    // The kernel tells where it put the program's headers (getauxval(3)); they say where the notes
-    // are.
-    const auto* headers = reinterpret_cast<const unsigned char*>(getauxval(AT_PHDR));
-    const std::size_t count = getauxval(AT_PHNUM);
-    std::uintptr_t base = 0;
-    const auto header = [headers](std::size_t i) {
-        Elf64_Phdr one{};
-        std::memcpy(&one, headers + i * sizeof one, sizeof one);
-        return one;
-    };
-    for (std::size_t i = 0; headers != nullptr && i < count; ++i) {
-        if (header(i).p_type == PT_PHDR) {
-            base = reinterpret_cast<std::uintptr_t>(headers) - header(i).p_vaddr;
-        }
-    }
-    for (std::size_t i = 0; headers != nullptr && i < count; ++i) {
-        const Elf64_Phdr notes = header(i);
-        if (notes.p_type == PT_NOTE) {
-            const auto* at = reinterpret_cast<const unsigned char*>(base + notes.p_vaddr);
-            if (std::string id = find_id(at, notes.p_memsz); !id.empty()) {
-                return id;
+    std::string id = "unknown";
+    const auto look = [](dl_phdr_info* program, std::size_t /*size*/, void* found) {
+        for (std::size_t i = 0; i < program->dlpi_phnum; ++i) {
+            const Elf64_Phdr& notes = program->dlpi_phdr[i];
+            const auto* at =
+                reinterpret_cast<const unsigned char*>(program->dlpi_addr + notes.p_vaddr);
+            if (std::string one = notes.p_type == PT_NOTE ? find_id(at, notes.p_memsz) : "";
+                !one.empty()) {
+                *static_cast<std::string*>(found) = std::move(one);
+                break;
             }
         }
-    }
-    return "unknown";
+        return 1;  // the program itself comes first, and no library is asked
+    };
+    dl_iterate_phdr(look, &id);
+    return id;
 }
 
 }  // namespace palpate::ui

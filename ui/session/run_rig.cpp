@@ -1,6 +1,7 @@
 #include "ui/session/run_rig.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <ranges>
@@ -8,6 +9,9 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -23,7 +27,6 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/console_child.hpp"
 #include "ui/session/provenance.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/session_choice.hpp"
@@ -264,6 +267,61 @@ protocols::Ports ports_of(const RigSpec& spec,
             .desk = &desk};
 }
 
+/// `palpate console` beside a session, as a process of its own: whatever becomes of it, the session
+/// goes on. It ends by itself after the session.
+class ConsoleChild {
+public:
+    /// @param session  its uuid
+    explicit ConsoleChild(std::string session) : session_(std::move(session)) { start(); }
+
+    /// Starts it again, once, if it is gone. Waits for nothing.
+    void look() {
+        if (pid_ < 0 || waitpid(pid_, nullptr, WNOHANG) != pid_) {
+            return;
+        }
+        pid_ = -1;
+        if (std::exchange(again_, true)) {
+            warn(
+                "the experimenter's page ended again; palpate console {} starts it, from another "
+                "terminal",
+                session_);
+        } else {
+            warn("the experimenter's page ended, and is started again");
+            start();
+        }
+    }
+
+private:
+    /// In a group of its own: Ctrl+C is for the session, which takes its time to end.
+    void start() {
+        std::array<const char*, 5> words{"palpate", "console", session_.c_str(), "--while-runs",
+                                         nullptr};
+        posix_spawnattr_t how;
+        posix_spawnattr_init(&how);
+        posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP);
+        const int error = posix_spawn(&pid_, "/proc/self/exe", nullptr, &how,
+                                      const_cast<char**>(words.data()), environ);
+        posix_spawnattr_destroy(&how);
+        if (error != 0) {
+            pid_ = -1;
+            warn(
+                "the experimenter's page could not be started; palpate console {} does, from "
+                "another terminal",
+                session_);
+        }
+    }
+
+    std::string session_;
+    pid_t pid_ = -1;
+    bool again_ = false;
+};
+
+void serve_page(const RigSpec& spec, LiveSession& live) {
+    if (spec.console) {
+        live.beside([page = ConsoleChild(live.board().facts().uuid)]() mutable { page.look(); });
+    }
+}
+
 }  // namespace
 
 void check_goes_on(data::Database& database, RigSpec& spec) {
@@ -300,7 +358,6 @@ RigEnd run_rig(data::Database& database,
     LiveFacts facts = live_facts(spec, felt, database, opened);
     facts.screen = observers.screen != nullptr;
     facts.masking_db = masking.player ? std::optional(protocol.masking.level_db) : std::nullopt;
-    const std::string shows_page = spec.console ? facts.uuid : "";
     OperatorLog log(opened.progress.attempts(), now_s());
     const SummaryAtEnd summary(database, opened, spec);
     data::SqliteRecorder recorder(database, protocol, opened.id);
@@ -317,7 +374,7 @@ RigEnd run_rig(data::Database& database,
     LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
     LiveRecorder shown_record(record, live);
     const auto lines = stop_lines(database, spec, *felt.port, desk, live);
-    live.beside([page = std::make_shared<ConsoleChild>(shows_page)] { page->look(); });
+    serve_page(spec, live);
     protocols::SessionEnd end;
     try {
         end = run_session(protocol, plan, view_of(spec, plan, opened, *felt.port), opened.progress,

@@ -26,13 +26,10 @@ void check_participant(const std::string& id, std::string_view word) {
 
 void check_known(data::Database& database, const std::string& id, bool insists) {
     const auto other = insists ? std::nullopt : data::similar_participant(database, id);
-    if (other) {
-        throw std::invalid_argument(
-            fmt::format("{}: nobody is called {}, and {} is there: give that code if you mean the "
-                        "same person, or "
-                        "--another as well if {} is somebody else",
-                        database.file(), id, *other, id));
-    }
+    refuse_if(other.has_value(),
+              "{0}: nobody is called {1}, and {2} is there: give that code if you mean the same "
+              "person, or --another as well if {1} is somebody else",
+              database.file(), id, other.value_or(""));
 }
 
 void check_version(data::Database& database, const Study& study, data::RunKind kind) {

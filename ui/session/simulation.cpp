@@ -273,14 +273,13 @@ bool whole(const SimulationSpec& spec, const fs::path& file) {
     data::Database there(file.string(), data::Access::read);
     const std::set<std::string> codes = codes_in(there, spec);
     const std::vector<std::size_t> indices = indices_of(spec);
-    if (codes.size() != indices.size() || !std::ranges::all_of(indices, [&](std::size_t i) {
-            return codes.contains(simulated_code(i));
-        })) {
-        throw std::invalid_argument(
-            fmt::format("{}: it holds {} other than the {} asked for: give the same --participants "
-                        "and --shard, or another --db",
-                        file.string(), counted(codes.size(), "participant"), indices.size()));
-    }
+    const auto is_there = [&](std::size_t i) {
+        return codes.contains(simulated_code(i));
+    };
+    refuse_if(codes.size() != indices.size() || !std::ranges::all_of(indices, is_there),
+              "{}: it holds {} other than the {} asked for: give the same --participants and "
+              "--shard, or another --db",
+              file.string(), counted(codes.size(), "participant"), indices.size());
     return true;
 }
 
