@@ -41,8 +41,7 @@ constexpr const char* kExample = "example";
 
 std::size_t trials_of(const Plan& plan, Phase phase) {
     return static_cast<std::size_t>(
-        std::count_if(plan.trials.begin(), plan.trials.end(),
-                      [phase](const auto& trial) { return trial.phase == phase; }));
+        std::ranges::count(plan.trials, phase, &protocols::PlannedTrial::phase));
 }
 
 std::string minutes(double seconds) {
@@ -129,9 +128,8 @@ bool print_feasibility(const Study& study,
                                {protocols::Verdict::warn, "no real session: " + unproved});
     }
     say("\non {}", opened.port->device_name());
-    const bool refused = std::any_of(
-        opened.findings.begin(), opened.findings.end(),
-        [](const auto& finding) { return finding.verdict == protocols::Verdict::refuse; });
+    const bool refused = std::ranges::count(opened.findings, protocols::Verdict::refuse,
+                                            &protocols::Finding::verdict) > 0;
     say(": {}\n", refused                   ? "it cannot be run"
                   : opened.findings.empty() ? "nothing stands against it"
                   : !unproved.empty()       ? "it can be run as a pilot, and this should be known"

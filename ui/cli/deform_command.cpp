@@ -36,13 +36,11 @@ std::vector<double> times_of(const std::string& text, double step) {
         const char* const end = text.data() + to;
         double time = 0.0;
         const auto read = std::from_chars(text.data() + from, end, time);
-        if (read.ec != std::errc{} || read.ptr != end || !std::isfinite(time) || time < 0.0 ||
-            (!times.empty() && time <= times.back())) {
-            throw std::invalid_argument(
-                fmt::format("--times has \"{}\": give seconds from 0, each more than the one "
-                            "before, as 0.1,0.2",
-                            text.substr(from, to - from)));
-        }
+        refuse_if(read.ec != std::errc{} || read.ptr != end || !std::isfinite(time) || time < 0.0 ||
+                      (!times.empty() && time <= times.back()),
+                  "--times has \"{}\": give seconds from 0, each more than the one before, as "
+                  "0.1,0.2",
+                  text.substr(from, to - from));
         refuse_if(
             time / step > kMaxSteps,
             "--times has {} s, which are more than {:g} steps of {} s: give less, or a larger dt_s",

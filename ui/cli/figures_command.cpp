@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 
-#include "ui/command/beside.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 

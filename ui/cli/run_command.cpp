@@ -43,15 +43,9 @@ struct RunOptions {
     std::optional<std::uint64_t> seed;
     std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
-    bool new_version = false;   ///< the protocol was changed on purpose
-    bool other_device = false;  ///< that the session goes on with one is meant
-    std::string operator_name;  ///< kept with the session; empty: not given
-    bool console = false;       ///< the experimenter's page beside it
-    bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
-    bool handle_free = false;   ///< the operator's word for it, and for home
-    std::string stop_button;    ///< a device of evdev; empty: the rig has none
-    double spin = 0.0;          ///< see engine::ServoSpec::spin_share
-    ScreenOptions screen{};
+    bool new_version = false;  ///< the protocol was changed on purpose
+    std::string stop_button;   ///< a device of evdev; empty: the rig has none
+    RigSpec rig{};             ///< what words say of it as it is
 };
 
 /// Of what a person holds. Without force it is a try, unless the study is about the pointer.
@@ -75,7 +69,7 @@ data::RunKind kind_by_hand(const RunOptions& options,
 data::RunKind kind_of(const RunOptions& options,
                       const DeviceChoice& device,
                       const protocols::Protocol& protocol) {
-    const bool person = wants_window(options.screen);
+    const bool person = wants_window(options.rig.screen);
     refuse_if(held_by_a_person(device.kind) && !person,
               "--device {} needs a display and a window: set DISPLAY and leave --headless out, or "
               "use --device sim",
@@ -214,7 +208,7 @@ void declare(CommandWords& words, RunOptions& options) {
               "For a new file: what all its orders are drawn with, 32 hexadecimal digits, instead "
               "of random ones. For rigs that share a study, or to repeat a simulated session to "
               "the bit. Whoever knows it can tell whose an exported order is");
-    words.add("--operator", options.operator_name, "Who runs it, kept with the session")
+    words.add("--operator", options.rig.operator_name, "Who runs it, kept with the session")
         .kept_text();
     words
         .add("--resume", options.resume,
@@ -225,50 +219,43 @@ void declare(CommandWords& words, RunOptions& options) {
     words.add("--new-version", options.new_version,
               "The protocol was changed on purpose since the last person of this file ran it; "
               "analyses keep its versions apart");
-    words.add("--other-device", options.other_device,
+    words.add("--other-device", options.rig.other_device,
               "A session that was begun goes on also with another device or calibration than its "
               "last trial had; without the word a terminal is asked, and anything else refused");
-    words.add("--console", options.console, "Serves the page of palpate console as well");
-    words.add("--durable", options.durable,
+    words.add("--console", options.rig.console, "Serves the page of palpate console as well");
+    words.add("--durable", options.rig.durable,
               "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");
     words
-        .add("--spin", options.spin,
+        .add("--spin", options.rig.spin_share,
              "Share of each tick to watch the clock instead of sleeping, for haply and comedi: 0.3 "
              "wakes up on time to a microsecond and costs processor time")
         .within(0.0, 0.5)
         .with_default();
-    words.add("--handle-free", options.handle_free,
+    words.add("--handle-free", options.rig.handle_free,
               "Says beforehand that nobody holds the handle and that it rests at home: a rig that "
               "was commissioned is then opened without a question, and without its second mark");
     words.add("--stop-button", options.stop_button, std::string(kStopButtonWords));
-    words.add("--no-sound", options.screen.no_sound,
+    words.add("--no-sound", options.rig.screen.no_sound,
               "No masking noise, whatever the protocol asks for; recorded with the session");
-    add_screen_words(words, options.screen);
+    add_screen_words(words, options.rig.screen);
 }
 
 /// All that can be refused before a file is made or a device is touched, refused.
 RigSpec rig_spec(const RunOptions& options) {
-    RigSpec spec;
+    RigSpec spec = options.rig;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
     spec.rig = rig_file_of(spec.device, options.calibration);
     require_fit(spec.study.protocol, spec.device, spec.rig.calibration.axes());
-    spec.screen = options.screen;
     const auto resume =
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
     spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
-    spec.other_device = options.other_device;
-    spec.operator_name = options.operator_name;
     spec.go_on = go_on_command(options.words);
-    spec.durable = options.durable;
-    spec.console = options.console;
-    spec.spin_share = options.spin;
-    spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);
     check_device(options, spec);
     check_record(spec, options.device, options.calibration);
     check_number(options, spec.study.protocol.id);
-    if (wants_window(options.screen) && spec.screen.speed == 0.0) {
+    if (wants_window(options.rig.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
     spec.stop_button = named_button(options.stop_button);

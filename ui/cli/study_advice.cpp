@@ -37,8 +37,7 @@ void advise_on_plan(const protocols::Protocol& protocol,
                                   all_of_it / 60.0));
     }
     const auto has = [&plan](protocols::Phase phase) {
-        return std::any_of(plan.trials.begin(), plan.trials.end(),
-                           [phase](const auto& trial) { return trial.phase == phase; });
+        return std::ranges::count(plan.trials, phase, &protocols::PlannedTrial::phase) > 0;
     };
     if (!has(protocols::Phase::practice)) {
         all.push_back(fmt::format(

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -248,6 +249,19 @@ ParseResult parse_command_line(const std::vector<Command>& commands,
     }
     const auto chosen = std::find(added.begin(), added.end(), app.get_subcommands().front());
     return {.command = static_cast<std::size_t>(chosen - added.begin())};
+}
+
+std::filesystem::path beside_program(std::string_view name, std::string_view target) {
+    std::error_code unknown;
+    const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+    auto file = folder / name;
+    if (!std::filesystem::exists(file)) {
+        file = folder.parent_path() / "lib" / "palpate" / name;
+    }
+    refuse_if<std::runtime_error>(unknown || !std::filesystem::exists(file),
+                                  "{} is not there, nor beside the program: build the target {}",
+                                  file.string(), target);
+    return file;
 }
 
 }  // namespace palpate::ui

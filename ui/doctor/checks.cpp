@@ -48,8 +48,7 @@ Check guarded(const std::string& name, const std::function<Check()>& look) noexc
 }
 
 bool any_fails(const std::vector<Check>& checks) noexcept {
-    return std::any_of(checks.begin(), checks.end(),
-                       [](const Check& check) { return check.status == CheckStatus::fail; });
+    return std::ranges::count(checks, CheckStatus::fail, &Check::status) > 0;
 }
 
 std::string_view to_string(CheckStatus status) noexcept {
@@ -78,8 +77,7 @@ std::string as_text(const Check& check) {
 
 std::string verdict(const std::vector<Check>& checks) {
     const auto count = [&](CheckStatus status) {
-        return std::count_if(checks.begin(), checks.end(),
-                             [&](const Check& check) { return check.status == status; });
+        return std::ranges::count(checks, status, &Check::status);
     };
     return fmt::format("{} ok, {} to look at, {} failed\n", count(CheckStatus::ok),
                        count(CheckStatus::warn), count(CheckStatus::fail));

@@ -12,6 +12,11 @@ namespace palpate::ui {
 Word& add_kind(CommandWords& words, std::string& kind, std::string help);
 Word& add_versions(CommandWords& words, std::string& versions);
 
+/// From here on the file is seen as analyses see it (data/store/analysed.hpp). Says so where a
+/// session runs on it.
+/// @param versions  "apart" or "together"
+void analyse(data::Database& database, const std::string& versions, const std::string& study = "");
+
 /// Of an analysis of a database or of another lab's file: of a database, which answers it takes.
 struct AnswerWords {
     std::string file;
@@ -28,21 +33,13 @@ struct AnswerWords {
     void refuse_words_of_databases() const;
     /// What `read` makes of the file, opened and seen as analyses see it, and of choice().
     template <class Read>
-    [[nodiscard]] auto asked(const Read& read) const;
+    [[nodiscard]] auto asked(const Read& read) const {
+        data::Database database(file, data::Access::read);
+        analyse(database, versions, study);
+        return read(database, choice());
+    }
 };
 /// All of them but the file: --kind, --study, --keep-codes, --versions.
 void add_answer_words(CommandWords& words, AnswerWords& answers);
-
-/// From here on the file is seen as analyses see it (data/store/analysed.hpp). Says so where a
-/// session runs on it.
-/// @param versions  "apart" or "together"
-void analyse(data::Database& database, const std::string& versions, const std::string& study = "");
-
-template <class Read>
-auto AnswerWords::asked(const Read& read) const {
-    data::Database database(file, data::Access::read);
-    analyse(database, versions, study);
-    return read(database, choice());
-}
 
 }  // namespace palpate::ui

@@ -13,10 +13,7 @@ struct ExportWords {
     std::string database;
     std::string format = "csv";  ///< csv, bids, psych-ds, parquet
     std::string directory;       ///< made; never one that holds something
-    std::string kind = "real";   ///< real, pilot, simulated, all
-    bool details = false;
-    bool traces = false;
-    bool keep_codes = false;
+    data::ExportOptions what{};
     bool json = false;
 };
 
@@ -29,42 +26,38 @@ void declare(CommandWords& words, ExportWords& options) {
         .among({data::kExportWords.begin(), data::kExportWords.end()})
         .with_default();
     words.add("-o,--output", options.directory, "A new folder").required();
-    words.add("--kind", options.kind, "Which sessions: real, pilot, simulated or all")
+    words.add("--kind", options.what.kind, "Which sessions: real, pilot, simulated or all")
         .among({"real", "pilot", "simulated", "all"})
         .with_default();
     words.add("--json", options.json,
               "For programs, to standard output: what is in the folder, and who is not");
-    words.add("--with-details", options.details,
+    words.add("--with-details", options.what.details,
               "Operators, wall clock, notes, details of participants, provenance as well");
-    words.add("--traces", options.traces, "Every servo tick as well");
-    words.add("--keep-codes", options.keep_codes,
+    words.add("--traces", options.what.traces, "Every servo tick as well");
+    words.add("--keep-codes", options.what.keep_codes,
               "codes.csv: which code of the lab each subject is");
 }
 
 int run(const ExportWords& options) {
     warn_of_unblinding(options.database);
     const data::ExportSummary done =
-        data::export_file(options.database, data::parse_export_format(options.format),
-                          {.kind = options.kind,
-                           .details = options.details,
-                           .traces = options.traces,
-                           .keep_codes = options.keep_codes},
+        data::export_file(options.database, data::parse_export_format(options.format), options.what,
                           options.directory);
     if (options.json) {
         say("{}\n", data::json_text({{"folder", options.directory},
                                      {"format", options.format},
-                                     {"kind", options.kind},
+                                     {"kind", options.what.kind},
                                      {"sessions", done.sessions},
-                                     {"details", options.details},
-                                     {"traces", options.traces},
-                                     {"codes", options.keep_codes},
+                                     {"details", options.what.details},
+                                     {"traces", options.what.traces},
+                                     {"codes", options.what.keep_codes},
                                      {"left_out", data::left_out_json(done.left_out)}}));
         return 0;
     }
     say("{}: {} as {}{}.\n", options.directory, counted(done.sessions, "session"), options.format,
-        options.details      ? ", with details"
-        : options.keep_codes ? ", with the participants' codes"
-                             : ", de-identified");
+        options.what.details      ? ", with details"
+        : options.what.keep_codes ? ", with the participants' codes"
+                                  : ", de-identified");
     for (const data::LeftOut& one : done.left_out) {
         say("{}", data::left_out_text(one));
     }

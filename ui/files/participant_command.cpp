@@ -127,15 +127,14 @@ int destroy(data::Database& database, const ParticipantOptions& options) {
     const auto person = data::find_participant(database, options.participant);
     refuse_if(!person, "{}: nobody is called {}", options.database, options.participant);
     const bool everything = options.destroy == "everything";
-    if (!options.yes &&
-        typed_after(fmt::format(
-            "{} of {}{} will be destroyed in {}. It cannot be undone. Type the code: ",
-            everything ? "Everything" : "The details", options.participant,
-            everything ? fmt::format(", {} too,", counted(person->sessions, "session")) : "",
-            options.database)) != options.participant) {
-        throw std::runtime_error(
-            "nothing was destroyed: the code was not typed; --yes goes on without it");
-    }
+    refuse_if<std::runtime_error>(
+        !options.yes &&
+            typed_after(fmt::format(
+                "{} of {}{} will be destroyed in {}. It cannot be undone. Type the code: ",
+                everything ? "Everything" : "The details", options.participant,
+                everything ? fmt::format(", {} too,", counted(person->sessions, "session")) : "",
+                options.database)) != options.participant,
+        "nothing was destroyed: the code was not typed; --yes goes on without it");
     data::destroy_participant(
         database, options.participant,
         everything ? data::Destroy::everything : data::Destroy::details,

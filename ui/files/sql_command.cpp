@@ -8,7 +8,6 @@
 #include "engine/base/refuse.hpp"
 #include "data/analysis/left_out.hpp"
 #include "data/shell/sql_shell.hpp"
-#include "ui/command/beside.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
 #include "ui/rig/control_line.hpp"

@@ -44,23 +44,22 @@ int run(const StopOptions& options) {
     if (stopped.sessions > 0) {
         return 0;
     }
-    if (options.database && stopped.refused > 0) {
-        throw std::runtime_error(
-            fmt::format("{}: a session runs on it, and only who may write to it, or runs it, can "
-                        "stop it: nothing was stopped",
-                        *options.database));
-    }
+    refuse_if<std::runtime_error>(!options.database,
+                                  "no session that somebody feels is yours: nothing was stopped");
+    const std::string& file = *options.database;
     refuse_if<std::runtime_error>(
-        options.database && data::SessionLock::held(*options.database),
+        stopped.refused > 0,
+        "{}: a session runs on it, and only who may write to it, or runs it, can stop it: nothing "
+        "was stopped",
+        file);
+    refuse_if<std::runtime_error>(
+        data::SessionLock::held(file),
         "{}: a session runs on it that cannot be called from here, as in another container or "
         "network namespace: nothing was stopped; stop it there, or use the switch of its motors",
-        options.database.value_or(""));
-    throw std::runtime_error(
-        options.database
-            ? fmt::format("{}: no session runs on it: nothing was "
-                          "stopped; palpate stop without a file stops all of yours",
-                          *options.database)
-            : std::string("no session that somebody feels is yours: nothing was stopped"));
+        file);
+    throw std::runtime_error(file +
+                             ": no session runs on it: nothing was stopped; palpate stop without a "
+                             "file stops all of yours");
 }
 
 }  // namespace
