@@ -53,9 +53,14 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
                     "SELECT (SELECT count(*) FROM participant) || ' ' || count(*) FROM session") ==
           "2 2");
 
+    CHECK_THAT(ran({"status", file}).out, !Has("four_trials@"));
+
     // Meant. From then on it is the version, and the old one is the other.
     REQUIRE(run(second, "R3", "--new-version").code == 0);
     REQUIRE(run(second, "R4").code == 0);
+    CHECK_THAT(ran({"status", file}).out,
+               Has("finished, of four_trials@" + hash_of(first).substr(0, 8),
+                   "finished, of four_trials@" + hash_of(second).substr(0, 8)));
     CHECK_THAT(run(first, "R5").error, Has("mu_d 0.1 there, 0.5 here"));
     ran({"verify", file});
 

@@ -50,8 +50,9 @@ Json rows_of(const data::LevelOrders& orders) {
 Json sessions_of(data::Database& database, const std::string& study) {
     data::Statement row = database.prepare(
         "SELECT participant_code, session_number, session_kind, answered - invalid_answers, "
-        "planned, finished, withdrawn_reason IS NOT NULL FROM session_health WHERE study_name = ?1 "
-        "ORDER BY session_id",
+        "planned, finished, withdrawn_reason IS NOT NULL, (SELECT study_name || '@' || "
+        "substr(protocol_sha256, 1, 8) FROM study JOIN session USING (study_id) WHERE session_id = "
+        "session_health.session_id) FROM session_health WHERE study_name = ?1 ORDER BY session_id",
         study);
     Json all = Json::array();
     while (row.step()) {
@@ -61,7 +62,8 @@ Json sessions_of(data::Database& database, const std::string& study) {
                        {"answered", row.integer(3)},
                        {"planned", row.integer(4)},
                        {"finished", row.integer(5) != 0},
-                       {"withdrawn", row.integer(6) != 0}});
+                       {"withdrawn", row.integer(6) != 0},
+                       {"version", row.text(7)}});
     }
     return all;
 }
@@ -136,13 +138,18 @@ std::string study_text(const Json& study) {
         listed(people["consent_missing"]));
     text += orders_text("pictures", study["picture_orders"]) +
             orders_text("friction blocks", study["friction_orders"]);
-    for (const Json& session : study["sessions"]) {
-        text += fmt::format("  {:<12} session {}  {:<9}  {} of {} answered{}{}\n",
+    const Json& sessions = study["sessions"];
+    const bool several = std::ranges::any_of(sessions, [&](const Json& session) {
+        return session["version"] != sessions.front()["version"];
+    });
+    for (const Json& session : sessions) {
+        text += fmt::format("  {:<12} session {}  {:<9}  {} of {} answered{}{}{}\n",
                             session["participant"].get<std::string>(), session["number"].get<int>(),
                             session["kind"].get<std::string>(), session["answered"].get<int>(),
                             session["planned"].get<int>(),
                             session["finished"].get<bool>() ? ", finished" : "",
-                            session["withdrawn"].get<bool>() ? ", withdrawn" : "");
+                            session["withdrawn"].get<bool>() ? ", withdrawn" : "",
+                            several ? ", of " + session["version"].get<std::string>() : "");
     }
     return text;
 }
