@@ -152,7 +152,7 @@ CREATE TABLE trial (
     done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
     ticks               INTEGER CHECK (ticks >= 0), -- of the servo, from the first to done
     -- (measures() of protocols/session/trial_meter.cpp, by in_trial)
-    started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig)
+    started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig); its first tick comes within some 0.1 s
     started_utc         TEXT NOT NULL,              -- [details] begin, wall clock, ISO 8601
     ended_utc           TEXT,                       -- [details] end, wall clock; NULL: it never ended
     seal                TEXT CHECK (length(seal) = 64),  -- [file] hash over all results of the session up to its end
