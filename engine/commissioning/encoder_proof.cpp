@@ -97,7 +97,7 @@ double missed_by_plugs(const Vec3& quantum, const Vec3& way) {
 
 /// @param ways  from home along each axis, m
 Vec3 straight_mark(const Gantry& gantry, const Vec3& ways, double& missed) {
-    Vec3 best;
+    Vec3 best{};
     std::array<double, 3> shares{0.4, 0.7, 1.0};
     do {
         Vec3 way;
@@ -203,7 +203,7 @@ std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& h
 
 Vec3 second_mark(const Calibration& machine, const std::vector<Vec3>& places) {
     double missed = kPlaced + kAtPlace;
-    Vec3 best;
+    Vec3 best{};
     const auto offer = [&](const Vec2& place) {
         const std::array<Vec2, 2> marks{Vec2(places.front()), place};
         if (const double least = separation(machine.pantograph, marks, true); least > missed) {
