@@ -50,7 +50,8 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
         const char* says;
     };
     for (const Wrong& wrong :
-         {Wrong{{}, "subcommand"}, Wrong{{"fly"}, "fly"}, Wrong{{"run"}, "PROTOCOL"},
+         {Wrong{{}, "a command is missing"}, Wrong{{"fly"}, "fly"}, Wrong{{"run"}, "PROTOCOL"},
+          Wrong{{"sql", db, "SELECT 1"}, "\"SELECT 1\" is one word too many; palpate sql --help"},
           Wrong{{"run", "nothing.toml", "--participant", "P1", "--db", db}, "nothing.toml"},
           Wrong{{"run", "shape_friction_demo", "--participant", "Jane Doe", "--db", db},
                 "Jane Doe"},
@@ -73,18 +74,21 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
 TEST_CASE("a number outside of its range is refused with what to give", "[cli][law]") {
     const TemporaryFolder folder;
     const std::vector<std::vector<const char*>> wrong{
-        {"--monitor", "0", "--monitor: \"0\" is out of range: give a number above 0\n"},
-        {"--session", "0", "--session: \"0\" is out of range: give a number above 0\n"},
-        {"--speed", "-1", "--speed: \"-1\" is out of range: give 0 or more\n"},
-        {"--speed", "fast", "--speed: \"fast\" is no number: give 0 or more\n"},
-        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5\n"}};
+        {"--monitor", "0",
+         "--monitor: \"0\" is out of range: give a number above 0; palpate run --help"},
+        {"--session", "0",
+         "--session: \"0\" is out of range: give a number above 0; palpate run --help"},
+        {"--speed", "-1", "--speed: \"-1\" is out of range: give 0 or more; palpate"},
+        {"--speed", "fast", "--speed: \"fast\" is no number: give 0 or more; palpate"},
+        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5; palpate"}};
     for (const auto& one : wrong) {
         CAPTURE(one);
         CHECK_THAT(
             ran(run_words("pilot", "P1", folder.file("d.sqlite"), {one[0], one[1]}), 2).error,
             Has(one[2]));
     }
-    CHECK_THAT(ran({"screenshots", "--width", "479"}, 2).error, Has("give 480 to 7680\n"));
+    CHECK_THAT(ran({"screenshots", "--width", "479"}, 2).error,
+               Has("give 480 to 7680; palpate screenshots --help says"));
     CHECK(folder.names().empty());
 }
 

@@ -211,8 +211,7 @@ std::string why_not(const CLI::App& app,
         }
         why = fmt::format("\"{}\" is one word too many", word);
     }
-    return fmt::format("palpate {0}: {1}; palpate {0} --help says what it takes",
-                       command.get_name(), why);
+    return fmt::format("{}; palpate {} --help says what it takes", why, command.get_name());
 }
 
 }  // namespace
