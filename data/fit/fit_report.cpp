@@ -26,8 +26,8 @@ bool of_steepness(Quantity quantity) {
 std::string unbounded_why(const CurveFit& fit, Quantity quantity) {
     return fit.shallow                               ? "unbounded: the share does not grow"
          : fit.far && quantity != Quantity::at_share ? "unbounded: the share hardly changes"
-         : fit.steep && of_steepness(quantity)       ? "unbounded: at most one level lies on the rise"
-                                                     : "";
+         : fit.steep && of_steepness(quantity) ? "unbounded: at most one level lies on the rise"
+                                               : "";
 }
 
 /// Why the formula of a quantity gives no number.

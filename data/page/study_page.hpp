@@ -5,8 +5,8 @@
 #include "data/page/study.hpp"
 #include "data/store/database.hpp"
 
-/// Pages of HTML that stand alone: no file beside them, nothing asked of a network. A study's has no
-/// script; a trial's has one, which draws every tick, and without scripts and on paper drawings
+/// Pages of HTML that stand alone: no file beside them, nothing asked of a network. A study's has
+/// no script; a trial's has one, which draws every tick, and without scripts and on paper drawings
 /// stand there instead.
 namespace palpate::data {
 

@@ -44,8 +44,8 @@ struct ReplayResult {
     std::optional<std::int64_t> differs_from;
 };
 
-/// What a person reads where it gives other numbers than the servo had: of which trial and tick, and
-/// the remedy.
+/// What a person reads where it gives other numbers than the servo had: of which trial and tick,
+/// and the remedy.
 [[nodiscard]] std::string replay_sentence(std::int64_t trial, std::int64_t tick);
 
 /// The trials of one session.

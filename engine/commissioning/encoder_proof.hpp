@@ -59,9 +59,9 @@ inline constexpr double kAtPlace = 0.002;
 [[nodiscard]] std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& home);
 
 /// Where the handle is brought at each opening, besides home: of the places of a commissioning the
-/// one that exchanged or reversed plugs miss by most, for where a motor goes with its encoder pulses
-/// may not tell; else another place within reach. Of straight axes, each of which was proved alone,
-/// a place as far along each as another one's plug would not say.
+/// one that exchanged or reversed plugs miss by most, for where a motor goes with its encoder
+/// pulses may not tell; else another place within reach. Of straight axes, each of which was proved
+/// alone, a place as far along each as another one's plug would not say.
 /// @param places  home first   @return m
 /// @throws std::invalid_argument if none is missed by what a person and a look may miss it
 [[nodiscard]] Vec3 second_mark(const Calibration& machine, const std::vector<Vec3>& places);

@@ -198,9 +198,8 @@ data::PowerReport report_of(const PowerOptions& options,
             ? protocol.analysis.primary
             : static_cast<protocols::PrimaryTest>(named - protocols::kPrimaryTests.begin());
     report.spec.studies = static_cast<std::size_t>(options.studies);
-    report.spec.threads = options.threads > 0
-                            ? static_cast<std::size_t>(options.threads)
-                            : usable_processors();
+    report.spec.threads =
+        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
     const bool mixed = report.spec.test == protocols::PrimaryTest::mixed;
     report.null_studies = options.null_studies > 0 ? static_cast<std::size_t>(options.null_studies)
                                                    : (mixed ? 1 : 10) * report.spec.studies;

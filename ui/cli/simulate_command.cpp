@@ -102,9 +102,8 @@ SimulationSpec spec_of(const SimulateOptions& options) {
     refuse_if(participants_of(spec.shard, spec.participants) == 0,
               "--shard {}: it has none of the {} participants; give N of at most {}", options.shard,
               spec.participants, spec.participants);
-    spec.threads = options.threads > 0
-                     ? static_cast<std::size_t>(options.threads)
-                     : usable_processors();
+    spec.threads =
+        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
     spec.scratch = options.scratch;
     refuse_if(options.database.empty() == options.folder.empty(),
               "give --db FILE, or -o FOLDER, for what is simulated");

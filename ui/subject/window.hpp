@@ -113,7 +113,6 @@ private:
     protocols::InstructionTexts instructions_;
 };
 
-
 // Colours and sizes of the subject's screen: light type on a dark, even grey, so that the room
 // stays dim and nothing flickers from screen to screen.
 
