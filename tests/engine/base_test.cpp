@@ -1,3 +1,5 @@
+#include <sched.h>
+
 #include "engine/base/pcg32.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
@@ -69,6 +71,21 @@ TEST_CASE("a shuffle is a permutation, and nothing and one thing stay as they ar
     std::vector<std::size_t> shuffled = items;
     shuffle(std::span(shuffled), random);
     CHECK(std::is_permutation(items.begin(), items.end(), shuffled.begin(), shuffled.end()));
+}
+
+TEST_CASE("processors are those that a thread may use, not those of the machine",
+          "[side-by-side]") {
+    std::vector<std::size_t> found;  // before and after the thread is kept to one
+    std::thread([&found] {
+        found.push_back(usable_processors());
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+        found.push_back(::sched_setaffinity(0, sizeof one, &one) == 0 ? usable_processors() : 0);
+    }).join();
+    CHECK(found.front() >= 1);
+    CHECK(found.back() == 1);
+    CHECK(usable_processors() == found.front());
 }
 
 TEST_CASE("each task is done once before anybody has waited for it, with any number of cores",
