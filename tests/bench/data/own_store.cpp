@@ -260,7 +260,8 @@ std::vector<Figure> measure_own(const MadeStudy& study,
         std::vector<std::int64_t> values(data::kChunkTicks);
         decode.push_back(each / watch.seconds([&] {
             for (const data::ChunkView& view : chunks.views) {
-                ChunkReader(view).read(data::ColumnId::hip_x, std::span(values).first(view.ticks));
+                data::ChunkReader(view).read(data::ColumnId::hip_x,
+                                             std::span(values).first(view.ticks));
             }
         }));
         trials.push_back({std::move(scene), std::move(chunks)});
