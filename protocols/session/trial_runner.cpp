@@ -100,7 +100,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
         result.begun = false;
         if (begun == Signal::no_place) {
-            result.fault = fault_of(engine::Trip::device_silent);
+            result.fault = fault_of(ports_.apparatus.place_fault());
         }
         return result;
     }
@@ -111,7 +111,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         view.interval = one.interval;
         const Signal again = one.interval > 1 ? begin(view) : Signal::go_on;
         if (again == Signal::no_place) {  // its first tick ends it, and keeps why
-            ports_.apparatus.stop(engine::Trip::device_silent);
+            ports_.apparatus.stop(ports_.apparatus.place_fault());
         } else if (again != Signal::go_on) {
             result.outcome = Outcome::aborted;
             break;

@@ -79,6 +79,8 @@ public:
     /// device does not say. None: no hand is brought to a start (a simulated one, a pointer that is
     /// put there).
     [[nodiscard]] virtual std::optional<engine::Vec3> place() { return std::nullopt; }
+    /// Why the last place() was infinitely far: what the device then told of itself.
+    [[nodiscard]] virtual engine::Trip place_fault() const { return engine::Trip::device_silent; }
     /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a
     /// virtual clock, which is never late.
     [[nodiscard]] virtual std::string timing() const { return {}; }

@@ -218,6 +218,7 @@ public:
     [[nodiscard]] engine::ShortForm prove_place() override;
     [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::optional<engine::Vec3> place() override;
+    [[nodiscard]] engine::Trip place_fault() const override { return place_fault_; }
 
     /// @param proof  of the rig that was opened and proved with it
     void prove_by(RigProof proof) { proof_ = std::move(proof); }
@@ -227,6 +228,7 @@ private:
     engine::ThreadServo servo_;
     RigProof proof_;
     std::atomic<bool> stopped_{false};
+    engine::Trip place_fault_ = engine::Trip::device_silent;
     std::size_t homings_;   ///< of the device, when it was last asked whether it began anew
     std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };

@@ -151,7 +151,7 @@ TEST_CASE(
     leave_trouble(session.hand());
     CHECK(session.ask("SELECT count(*) FROM trial") == "0");
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
-                      "'device_silent' AND trial_id IS NULL") == "1");
+                      "'device_lost' AND trial_id IS NULL") == "1");
     const auto first_felt = [&] {  // a busy machine may end it: then once more
         board->bring("0,60");
         REQUIRE(begins(session));
