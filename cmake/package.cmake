@@ -40,7 +40,9 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "acl, fonts-dejavu-core, passwd")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "bash-completion, libpq5, sqlite3, systemd, udev")
+# What is loaded when it is needed: a machine that only analyses goes without.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "bash-completion, libmicrohttpd12 | libmicrohttpd12t64, libpq5, libsdl2-2.0-0, \
+libsdl2-ttf-2.0-0, sqlite3, systemd, udev")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "avrdude, gcc-avr, avr-libc, binutils-avr, rt-tests")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/postinst

@@ -10,7 +10,7 @@ BEGIN {
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::NETTLE PkgConfig::PQ Boost::headers" \
                     " PostgreSQL::PostgreSQL palpate::xxhash Eigen3::Eigen" \
                     " nlohmann_json::nlohmann_json"
-    links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::MICROHTTPD PNG::PNG palpate::thesis"
+    links["ui"] = "palpate::data CLI11::CLI11 PNG::PNG palpate::thesis"
     scopes = "PUBLIC PRIVATE INTERFACE palpate::warnings"
 }
 

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "ui/subject/answer_row.hpp"
+#include "ui/subject/font.hpp"
 #include "ui/subject/picking.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
@@ -82,6 +83,36 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
     sim.erase(sim.begin());
     sim.emplace_back("--headless");
     CHECK(without_display(sim).code == 0);
+}
+
+TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, and all else works",
+          "[cli][window][law]") {
+    const TemporaryFolder folder;
+    const TemporaryFolder broken;
+    for (const char* name : {"libSDL2-2.0.so.0", "libSDL2_ttf-2.0.so.0", "libmicrohttpd.so.12"}) {
+        std::ofstream(broken.file(name)) << "no library";
+    }
+    const auto without = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), palpate_program());
+        return Process(arguments, {"LD_LIBRARY_PATH=" + broken.file(""), "SDL_VIDEODRIVER=dummy"})
+            .wait();
+    };
+    check_end(without(words(folder)), 1,
+              Has("windows and sound need SDL2", "install libsdl2-2.0-0"));
+    check_end(without({"preview", kFourTrials}), 1,
+              Has("a page needs libmicrohttpd", "install libmicrohttpd12"));
+    check_end(without({"check", kFourTrials, "--font", ui::find_font("")}), 1,
+              Has("texts on a screen need SDL2_ttf", "install libsdl2-ttf-2.0-0"));
+    CHECK(folder.names().empty());
+    CHECK(without({"check", kFourTrials}).code == 0);
+    std::vector<std::string> sim = words(folder);
+    sim.back() = "sim";
+    sim.emplace_back("--headless");
+    CHECK(without(sim).code == 0);
+    for (const char* command : {"summary", "verify", "status"}) {
+        CAPTURE(command);
+        CHECK(without({command, folder.file("d.sqlite")}).code == 0);
+    }
 }
 
 TEST_CASE("a monitor that is not there is refused with those that are, before anything is made",

@@ -118,6 +118,7 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
     CHECK(stays_ready(session));
     board.bring("0,66");
     CHECK(begins(session));
+    CHECK(session.ask("SELECT count(value) FROM session_provenance WHERE key LIKE 'SDL2%'") == "2");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }

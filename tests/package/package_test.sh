@@ -126,7 +126,9 @@ trap 'rm -rf "$scratch"' EXIT
 failed=0
 holds 'it is made' cpack -G DEB -B "$scratch" --config "$build/CPackConfig.cmake"
 holds 'it needs the libraries that the program does' sh -c \
-    "dpkg-deb -f '$scratch'/palpate_*.deb Depends | grep libsdl2-2.0-0 | grep libsqlite3-0 | grep -q libnettle"
+    "dpkg-deb -f '$scratch'/palpate_*.deb Depends | grep libsqlite3-0 | grep -q libnettle"
+holds 'it recommends those that the program loads when it needs them' sh -c \
+    "dpkg-deb -f '$scratch'/palpate_*.deb Recommends | grep libsdl2-2.0-0 | grep libsdl2-ttf-2.0-0 | grep -q libmicrohttpd12"
 holds 'all that is in it belongs to root' \
     [ -z "$(dpkg-deb -c "$scratch"/palpate_*.deb | grep -v ' root/root ')" ]
 [ "$failed" = 0 ] || exit 1

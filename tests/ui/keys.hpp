@@ -4,9 +4,8 @@
 #include <mutex>
 #include <stop_token>
 
-#include <SDL.h>
-
 #include "stimuli/two_curve.hpp"
+#include "ui/sdl/sdl.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/std.hpp"
 
@@ -18,6 +17,8 @@ namespace palpate::tests {
 inline void draw_into_memory() {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
 }
+
+PALPATE_LATE(ui::Sdl, SDL_PushEvent);
 
 inline void press(SDL_Keycode key, SDL_Keymod modifiers = KMOD_NONE, bool repeat = false) {
     SDL_Event event{};

@@ -43,7 +43,7 @@ void happens_to_window(SDL_WindowEventID what) {
     SDL_Event event{};
     event.type = SDL_WINDOWEVENT;
     event.window.event = static_cast<Uint8>(what);
-    SDL_PushEvent(&event);
+    palpate::tests::SDL_PushEvent(&event);
 }
 
 }  // namespace

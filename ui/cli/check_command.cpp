@@ -67,11 +67,16 @@ void print_duration(const Protocol& protocol, const Plan& plan) {
         counted(stretch.trials, "trial"), minutes(stretch.seconds));
 }
 
-/// @return empty where none is installed: a protocol can be looked at without one
+/// @return empty where none is installed, or nothing that reads it: a protocol can be looked at so
 std::string font_of(const CheckOptions& options) {
     try {
-        return find_font(options.font);
+        std::string font = find_font(options.font);
+        static_cast<void>(unshown({}, font));
+        return font;
     } catch (const std::runtime_error&) {
+        if (!options.font.empty()) {
+            throw;
+        }
         return {};
     }
 }

@@ -19,12 +19,31 @@
 #include <sys/socket.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/shared_library.hpp"
 #include "data/store/uuid.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 namespace {
+
+/// Loaded with the first page: it brings TLS, which no other command needs.
+struct Microhttpd {
+    static constexpr const char* kFile = "libmicrohttpd.so.12";
+    static constexpr const char* kUse = "a page needs libmicrohttpd";
+    static constexpr const char* kPackage = "libmicrohttpd12";
+};
+PALPATE_LATE(Microhttpd, MHD_add_response_header);
+PALPATE_LATE(Microhttpd, MHD_create_response_from_buffer);
+PALPATE_LATE(Microhttpd, MHD_create_response_from_callback);
+PALPATE_LATE(Microhttpd, MHD_destroy_response);
+PALPATE_LATE(Microhttpd, MHD_get_connection_info);
+PALPATE_LATE(Microhttpd, MHD_get_connection_values);
+PALPATE_LATE(Microhttpd, MHD_get_daemon_info);
+PALPATE_LATE(Microhttpd, MHD_lookup_connection_value);
+PALPATE_LATE(Microhttpd, MHD_queue_response);
+PALPATE_LATE(Microhttpd, MHD_start_daemon);
+PALPATE_LATE(Microhttpd, MHD_stop_daemon);
 
 constexpr unsigned kConnections = 64;
 constexpr std::size_t kStrangers = 16;  ///< of them, but for those that are being let go

@@ -1,7 +1,7 @@
-#include <SDL.h>
 #include <fmt/format.h>
 
 #include "ui/doctor/checks.hpp"
+#include "ui/sdl/sdl.hpp"
 #include "ui/sound/noise_player.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/font.hpp"

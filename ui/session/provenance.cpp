@@ -7,8 +7,6 @@
 #include <string_view>
 
 #include <CLI/Version.hpp>
-#include <SDL2/SDL.h>
-#include <SDL2/SDL_ttf.h>
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
 #include <link.h>
@@ -18,6 +16,7 @@
 #include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/verify/verify.hpp"
+#include "ui/sdl/sdl.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -100,13 +99,15 @@ std::vector<std::pair<std::string, std::string>> provenance(const protocols::Pro
         {"fmt", fmt_version()},
         {"toml++", protocols::toml_version()},
         {"CLI11", CLI11_VERSION},
-        {"SDL2", sdl_version()},
-        {"SDL2_ttf", text_of(*TTF_Linked_Version())},
         {"libpng", png_get_libpng_ver(nullptr)},
         {"system", line_of("/etc/os-release", "PRETTY_NAME=", '=')},
         {"kernel", std::string(system.sysname) + " " + system.release},
         {"machine", system.machine},
         {"processor", line_of("/proc/cpuinfo", "model name", ':')}};
+    if (SDL_Init.called()) {  // there is a screen
+        rows.emplace_back("SDL2", sdl_version());
+        rows.emplace_back("SDL2_ttf", text_of(*TTF_Linked_Version()));
+    }
     const auto of_data = data::library_versions();
     rows.insert(rows.end(), of_data.begin(), of_data.end());
     const auto objects = protocols::object_hashes(protocol);

@@ -9,9 +9,9 @@
 namespace palpate::ui {
 
 /// What shaped a session besides its protocol: the program and its build id, compiler, the
-/// libraries as they run (toml++, CLI11 and fmt as compiled), operating system, kernel, processor.
-/// Nothing that names the machine or its owner. And the hash of every object's geometry:
-/// protocols::object_hashes().
+/// libraries as they run (toml++, CLI11 and fmt as compiled; SDL2 where there is a screen),
+/// operating system, kernel, processor. Nothing that names the machine or its owner. And the hash
+/// of every object's geometry: protocols::object_hashes().
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> provenance(
     const protocols::Protocol& protocol);
 

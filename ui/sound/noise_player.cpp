@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include <SDL.h>
 #include <fmt/format.h>
 
+#include "ui/sdl/sdl.hpp"
 #include "ui/sound/faded_noise.hpp"
 
 namespace palpate::ui {
@@ -22,7 +22,7 @@ public:
         : noise_(protocols::stream(key), kRate, spec.level_db), level_db_(spec.level_db) {
         const Hush hush;
         if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0) {
-            refuse();
+            refuse(SDL_GetError());
         }
         SDL_AudioSpec wanted{};
         wanted.freq = kRate;
@@ -35,8 +35,7 @@ public:
         if (device_ == 0) {
             const std::string error = SDL_GetError();
             SDL_QuitSubSystem(SDL_INIT_AUDIO);
-            SDL_SetError("%s", error.c_str());
-            refuse();
+            refuse(error);
         }
         SDL_PauseAudioDevice(device_, 0);
     }
@@ -70,11 +69,11 @@ private:
         return name == nullptr ? "none" : name;
     }
 
-    [[noreturn]] static void refuse() {
+    [[noreturn]] static void refuse(const std::string& why) {
         throw std::runtime_error(fmt::format(
             "masking noise cannot be played: {}; connect headphones, see that ALSA, PulseAudio or "
             "PipeWire runs for this user (palpate doctor tells), or give --no-sound",
-            SDL_GetError()));
+            why));
     }
 
     /// On SDL's thread. Left and right alternate.

@@ -5,15 +5,17 @@
 #include <cstring>
 #include <utility>
 
-#include <SDL.h>
-#include <SDL_syswm.h>
+#include <SDL2/SDL_syswm.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
+#include "ui/sdl/sdl.hpp"
 
 namespace palpate::ui {
 namespace {
+
+PALPATE_LATE(Sdl, SDL_GetWindowWMInfo);  // whose header brings in X11's
 
 std::atomic<bool> lost{false};
 std::atomic<bool> owes{false};  ///< a sign of life

@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include <SDL_ttf.h>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "ui/sdl/sdl.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <SDL.h>
 #include <fmt/format.h>
 
 #include "engine/realtime/servo.hpp"
+#include "ui/sdl/sdl.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {

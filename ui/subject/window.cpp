@@ -7,13 +7,12 @@
 #include <optional>
 #include <stdexcept>
 
-#include <SDL.h>
-#include <SDL_ttf.h>
 #include <fmt/format.h>
 #include <png.h>
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "ui/sdl/sdl.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/font.hpp"
 
