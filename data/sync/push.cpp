@@ -64,6 +64,7 @@ public:
                          "where");
                 continue;
             }
+            report_.withdrawn += withdrawal(database_, session.id) ? 1 : 0;
             push_head(session);
             push_trials(session);
             push_events(session);

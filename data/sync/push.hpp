@@ -15,10 +15,11 @@ struct PushChoice {
 
 /// What a push did.
 struct PushReport {
-    std::size_t sessions = 0;  ///< looked at
-    std::size_t declined = 0;  ///< of these: left out, of people who do not consent
-    std::int64_t rows = 0;     ///< added
-    std::string way;           ///< Postgres::way()
+    std::size_t sessions = 0;   ///< looked at
+    std::size_t declined = 0;   ///< of these: left out, of people who do not consent
+    std::size_t withdrawn = 0;  ///< of these: withdrawn, and on the server all the same
+    std::int64_t rows = 0;      ///< added
+    std::string way;            ///< Postgres::way()
     std::vector<std::string>
         conflicts;  ///< what the server says differently: nothing of it was added
 };

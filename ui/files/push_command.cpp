@@ -38,6 +38,11 @@ int run(const PushOptions& options) {
     say("{}: {}{}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
         done.declined > 0 ? fmt::format(" ({} of them left out: no consent)", done.declined) : "",
         counted(done.rows, "row"));
+    if (done.withdrawn > 0) {
+        say("{} of them withdrawn: on the server, too, an event says so, and it is for its queries "
+            "to leave them out.\n",
+            done.withdrawn);
+    }
     say("Sent to {}.\n", done.way);
     for (const std::string& conflict : done.conflicts) {
         say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
