@@ -73,6 +73,9 @@ public:
     virtual AppliedForce write(const Vec3& force) noexcept = 0;
     /// What people call it, for messages and the record of a session.
     [[nodiscard]] virtual std::string name() const = 0;
+    /// What it told of itself when it last began, for the record: which one it is, with which
+    /// firmware. Empty: it does not tell.
+    [[nodiscard]] virtual std::string identity() const { return {}; }
 
     /// What is known of it before it is used; the same for its whole life.
     [[nodiscard]] virtual DeviceTraits traits() const noexcept { return {}; }

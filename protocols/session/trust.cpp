@@ -77,10 +77,11 @@ ProofStep stepped(const engine::ShortForm& form, std::string_view key, std::stri
             .refused = {}};
 }
 
-ProofStep works_again(bool anew) {
+ProofStep works_again(const Apparatus& apparatus, bool anew) {
     Event event{.kind = EventKind::reconnect, .text = "the device works"};
     if (anew) {
-        event.text += ", but it began anew";
+        const std::string board = apparatus.identity();
+        event.text += ", but it began anew" + (board.empty() ? "" : ": " + board);
         event.value = kAnew;
     }
     return {.event = std::move(event), .refused = {}};
@@ -117,13 +118,14 @@ ProofStep prove_step(Apparatus& apparatus, Trust state) {
     }
     const bool came_anew = apparatus.began_anew();
     if (state == Trust::unknown || came_anew) {
-        return works_again(came_anew);
+        return works_again(apparatus, came_anew);
     }
     ProofStep step =
         state == Trust::at_home
             ? stepped(apparatus.prove_motors(), kRigCheck, kHandleMoves)
             : stepped(apparatus.prove_place(), kStartPose, "the handle is where it should be");
-    return apparatus.began_anew() ? works_again(true) : step;  // found right, but somewhere else
+    // Found right, but somewhere else.
+    return apparatus.began_anew() ? works_again(apparatus, true) : step;
 }
 
 HandleCheck::HandleCheck(Apparatus& apparatus, const RigTrust& trust)

@@ -39,6 +39,8 @@ public:
     /// Nothing more will come (end of a replay): exploration ends now.
     [[nodiscard]] virtual bool exhausted() const noexcept { return false; }
     [[nodiscard]] virtual std::string device_name() const = 0;
+    /// engine::Device::identity()
+    [[nodiscard]] virtual std::string identity() const { return {}; }
     /// Recorded hands: they feel the same each time, so that running a trial again would change
     /// nothing and no answer is judged by how its object was felt.
     [[nodiscard]] virtual bool repeats() const noexcept { return false; }

@@ -86,6 +86,7 @@ public:
 
     [[nodiscard]] std::string timing() const override;
     [[nodiscard]] std::string device_name() const override { return device().name(); }
+    [[nodiscard]] std::string identity() const override { return device().identity(); }
 
     /// What the servo reads and drives; outlives every call.
     [[nodiscard]] const engine::Device& device() const noexcept { return servo_at_->device(); }

@@ -322,8 +322,8 @@ TEST_CASE(
                StartsWith("start pose; rig check; fault device_lost; ") &&
                    Has("reconnect anew; start pose; rig check; go on device_lost; ",
                        "reconnect anew; start pose; rig check; go on rig check; ") &&
-                   EndsWith("fault device_silent; reconnect anew; start pose; rig check; "
-                            "go on device_silent"));
+                   EndsWith("fault device_lost; reconnect anew; start pose; rig check; "
+                            "go on device_lost"));
     ran({"verify", folder.file("d.sqlite")});
 }
 

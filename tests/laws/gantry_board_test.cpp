@@ -139,6 +139,8 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
     const Finished differs = ran({"verify", other}, 1);
     CHECK_THAT(differs.out, Has("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
+    CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'board' AND value LIKE 'id %, "
+              "firmware %, protocol 1.%'") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
               "'%[gantry.axis_z]%'") == "1");
     const std::string whole = " FROM sample JOIN trial USING (trial_id) WHERE fault_cause IS NULL";

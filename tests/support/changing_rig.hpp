@@ -18,7 +18,7 @@ public:
         ++count[event.kind];
         count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
         causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
-        anew += event.value == kAnew ? 1U : 0U;
+        anew += event.value == kAnew && event.text.ends_with(": id 7") ? 1U : 0U;
     }
 
     std::map<EventKind, std::size_t> count;
@@ -57,6 +57,7 @@ public:
         return FaultyApparatus::trip() == Trip::over_speed ? cause_ : FaultyApparatus::trip();
     }
     [[nodiscard]] bool has_proof() const noexcept override { return true; }
+    [[nodiscard]] std::string identity() const override { return "id 7"; }
     [[nodiscard]] bool began_anew() override { return std::exchange(anew_, false); }
     [[nodiscard]] engine::ShortForm prove_place() override {
         CHECK_FALSE(force_on);

@@ -246,6 +246,9 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     auto apparatus = make_apparatus(spec, opened.opening);
     opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
     opened.provenance = engine::provenance(apparatus->rights());
+    if (const std::string board = apparatus->device().identity(); !board.empty()) {
+        opened.provenance.emplace_back("board", board);
+    }
     if (apparatus->device().traits().gives_force) {
         opened.rest = rest_text(margins_of(spec.study.protocol, apparatus->device()));
         opened.refused = refusals(apparatus->rights());

@@ -51,6 +51,7 @@ public:
     [[nodiscard]] Reading read() noexcept override;
     AppliedForce write(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override;
+    [[nodiscard]] std::string identity() const override { return line_->identity(); }
     [[nodiscard]] DeviceTraits traits() const noexcept override;
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
         return machine_.weakest_force(hip);

@@ -93,6 +93,8 @@ public:
     [[nodiscard]] virtual double holds_force() const noexcept = 0;
     /// "Haply"
     [[nodiscard]] virtual std::string kind() const = 0;
+    /// Device::identity(), since set_up().
+    [[nodiscard]] virtual std::string identity() const { return {}; }
 
     /// The newest answer that was whole and as expected; before the first one, empty.
     [[nodiscard]] const BoardReply& reply() const noexcept { return reply_; }

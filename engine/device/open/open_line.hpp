@@ -38,6 +38,7 @@ public:
     [[nodiscard]] GuardPackets guard_packets() const noexcept override;
     [[nodiscard]] double holds_force() const noexcept override { return wiring_.watchdog; }
     [[nodiscard]] std::string kind() const override { return "open board"; }
+    [[nodiscard]] std::string identity() const override;
 
     /// What the board said it is, since set_up().
     [[nodiscard]] const OpenIdent& ident() const noexcept { return ident_; }

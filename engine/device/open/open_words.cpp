@@ -16,6 +16,11 @@ std::string listed(const OpenAxes& numbers, std::size_t axes) {
 
 }  // namespace
 
+std::string OpenLine::identity() const {
+    return "id " + std::to_string(ident_.id) + ", firmware " + std::to_string(ident_.firmware) +
+           ", protocol " + std::to_string(ident_.major) + "." + std::to_string(ident_.minor);
+}
+
 /// What the board says of itself, against the calibration.
 std::string OpenLine::other_machine() const {
     switch (problem_) {
