@@ -230,10 +230,12 @@ ParseResult parse_command_line(const std::vector<Command>& commands,
     std::vector<const CLI::App*> added;
     for (const Command& command : commands) {
         CommandWords words{.line = {argv, argv + argc}};
-        command.declare(words);
         CLI::App* one = app.add_subcommand(command.name, command.what);
-        declare(*one, words);
         added.push_back(one);
+        if (std::ranges::find(words.line, command.name) != words.line.end()) {  // no other's count
+            command.declare(words);
+            declare(*one, words);
+        }
     }
     try {
         app.parse(argc, argv);
