@@ -242,13 +242,14 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
 }
 
 PointerApparatus::PointerApparatus(const Protocol& protocol)
-    : ServoApparatus(servo_), servo_(device_, servo_spec(protocol, device_)) {
-    device_.publish(protocol.apparatus.start);
-}
+    : ServoApparatus(servo_),
+      start_(protocol.apparatus.start),
+      servo_(device_, servo_spec(protocol, device_)) {}
 
 void PointerApparatus::begin(const engine::SceneView& scene,
                              const PlannedTrial& /*planned*/,
                              std::size_t /*interval*/) {
+    device_.publish(start_);
     servo_.begin(scene);
 }
 

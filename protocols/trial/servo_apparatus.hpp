@@ -237,7 +237,8 @@ private:
 /// The screen pointer as the handle, in real time on a thread of its own.
 class PointerApparatus : public ServoApparatus {
 public:
-    /// At the protocol's rate and limits; the handle is at its start until the window moves it.
+    /// At the protocol's rate and limits; each interval begins with the handle at its start, where
+    /// it is until the window moves it.
     explicit PointerApparatus(const Protocol& protocol);
 
     void begin(const engine::SceneView& scene,
@@ -247,6 +248,7 @@ public:
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
 
 private:
+    engine::Vec2 start_;
     engine::PointerDevice device_;
     engine::ThreadServo servo_;
 };

@@ -64,19 +64,36 @@ double worst_difference(std::span<const engine::TickRecord> trace,
     return worst;
 }
 
+/// Between two ticks, m.
+double longest_step(std::span<const engine::TickRecord> trace) {
+    double longest = 0.0;
+    for (std::size_t i = 1; i < trace.size(); ++i) {
+        longest = std::max(longest, glm::length(trace[i].hip - trace[i - 1].hip));
+    }
+    return longest;
+}
+
 }  // namespace
 
 TEST_CASE(
-    "a real pointer in a real window: choice, reaction time and exact forces are in the database",
+    "a real pointer in a real window: start, choice, reaction time and exact forces are in the "
+    "database",
     "[long][window][law]") {
     const TemporaryFolder folder;
     WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot"}),
+                                    {"--device", "mouse", "--kind", "pilot", "--windowed"}),
                           folder.file("d.sqlite"));
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
     session.press_at("welcome", "space");
     for (int trial = 0; trial < 4; ++trial) {
+        const XHand::Window before = session.wait_for_screen("ready");
+        REQUIRE(before.x > 0);
+        if (trial % 2 == 0) {
+            hand.move(0, before.y + before.height / 2);  // beside the window
+        } else {
+            hand.move(before.x + before.width / 2, before.y + 2 * before.height / 3);  // inside
+        }
         session.press_at("ready", "space");
         const XHand::Window window = session.wait_for_screen("explore");
         explore(hand, window);
@@ -117,6 +134,8 @@ TEST_CASE(
         CHECK(row.real(8) > 1.0);
         int touched = 0;
         const auto trace = data::read_trace(database, row.integer(0));
+        CHECK(glm::length(Vec2(trace.front().hip) - Vec2{0.0, 0.060}) < 1e-7);
+        CHECK(longest_step(trace) < 0.02);  // nor did it come from where it had been
         CHECK(worst_difference(trace, {row.real(1), row.text(2) == "on"}, touched) <= 1e-9);
         CHECK(touched > 200);
     }

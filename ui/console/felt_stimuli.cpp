@@ -187,7 +187,7 @@ void FeltStimuli::feel(const FeltStimulus& one) {
         for (std::size_t n = port.ring().pop(ticks); n > 0; n = port.ring().pop(ticks)) {
             felt += n;
             for (const engine::TickRecord& tick : std::span(ticks).first(n)) {
-                strongest = std::max(strongest, glm::length(tick.force));
+                strongest = std::max(strongest, glm::length(tick.command));
             }
         }
     };

@@ -377,12 +377,4 @@ engine::Vec2 Stage::pixel(int x, int y) const {
     return window_.scale() * engine::Vec2{x, y};
 }
 
-void Stage::warp_pointer(const engine::Vec2& pixel) {
-    if (display_lost()) {
-        return;
-    }
-    const engine::Vec2 place = pixel / window_.scale();
-    SDL_WarpMouseInWindow(nullptr, static_cast<int>(place.x), static_cast<int>(place.y));
-}
-
 }  // namespace palpate::ui

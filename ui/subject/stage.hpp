@@ -91,8 +91,6 @@ public:
 
     /// Where faces are drawn.
     [[nodiscard]] Window& window() { return window_; }
-    /// Puts the pointer there, pixels.
-    void warp_pointer(const engine::Vec2& pixel);
 
 private:
     void redraw();

@@ -162,8 +162,7 @@ void SubjectScreen::begin_exploring() {
         stop(engine::Trip::focus_lost, protocols::kKeyboardElsewhere);
     }
     if (options_.on_pointer) {
-        stage_.warp_pointer(pointer_map().to_pixel(options_.start));
-        options_.on_pointer(options_.start);
+        stage_.window().put_pointer(pointer_map().to_pixel(options_.start));
     }
 }
 

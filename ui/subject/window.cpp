@@ -319,6 +319,17 @@ void Window::show_pointer(bool shown) {
     SDL_ShowCursor(shown ? SDL_ENABLE : SDL_DISABLE);
 }
 
+void Window::put_pointer(const engine::Vec2& pixel) {
+    if (display_lost()) {
+        return;
+    }
+    SDL_PumpEvents();
+    SDL_FlushEvent(SDL_MOUSEMOTION);
+    const engine::Vec2 place = pixel / scale();
+    SDL_WarpMouseInWindow(parts_->window.get(), static_cast<int>(place.x),
+                          static_cast<int>(place.y));
+}
+
 std::vector<std::uint8_t> Window::pixels() const {
     const Own<SDL_Surface> surface = parts_->snapshot();
     const auto* bytes = static_cast<const std::uint8_t*>(surface->pixels);

@@ -98,6 +98,9 @@ public:
     /// In the window's title, behind the program's name.
     void name_screen(std::string_view name);
     void show_pointer(bool shown);
+    /// Puts the pointer there, pixels of the canvas, wherever it was; what it did before is
+    /// forgotten.
+    void put_pointer(const engine::Vec2& pixel);
 
     /// What was last presented, RGBA, rows from the top.
     [[nodiscard]] std::vector<std::uint8_t> pixels() const;
