@@ -9,6 +9,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
+#include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
@@ -226,6 +227,12 @@ int run(const ParticipantOptions& options) {
             say("Noted in {}.\nSeal {}: note it in the lab book.\n",
                 counted(sessions.size(), "session"),
                 data::chain_head(database, sessions.front().id));
+        }
+        for (const data::SessionRow& session : sessions) {
+            if (notes.consent == false && data::SessionLock::held(database, session.id)) {
+                warn("session {} of {} runs now, and goes on: end it there, or from the page",
+                     session.number, options.participant);
+            }
         }
     }
     print(options.participant, data::find_participant(database, options.participant).value());

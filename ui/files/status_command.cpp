@@ -52,7 +52,9 @@ Json sessions_of(data::Database& database, const std::string& study) {
         "SELECT participant_code, session_number, session_kind, answered - invalid_answers, "
         "planned, finished, withdrawn_reason IS NOT NULL, (SELECT study_name || '@' || "
         "substr(protocol_sha256, 1, 8) FROM study JOIN session USING (study_id) WHERE session_id = "
-        "session_health.session_id) FROM session_health WHERE study_name = ?1 ORDER BY session_id",
+        "session_health.session_id), (SELECT consent IS 0 FROM participant WHERE participant_code "
+        "= session_health.participant_code) FROM session_health WHERE study_name = ?1 ORDER BY "
+        "session_id",
         study);
     Json all = Json::array();
     while (row.step()) {
@@ -63,12 +65,14 @@ Json sessions_of(data::Database& database, const std::string& study) {
                        {"planned", row.integer(4)},
                        {"finished", row.integer(5) != 0},
                        {"withdrawn", row.integer(6) != 0},
+                       {"refused", row.integer(8) != 0},
                        {"version", row.text(7)}});
     }
     return all;
 }
 
-/// Who really ran, and of these whose consent nobody noted; withdrawn sessions left out.
+/// Who really ran, and of these whose consent nobody noted; withdrawn sessions and who does not
+/// consent left out, and the latter named.
 Json people_of(data::Database& database, const std::string& study) {
     data::Statement row = database.prepare(
         "SELECT participant_code, consent, max(finished) FROM session JOIN study USING (study_id) "
@@ -78,7 +82,12 @@ Json people_of(data::Database& database, const std::string& study) {
     std::size_t ran = 0;
     Json unfinished = Json::array();
     Json missing = Json::array();
+    Json refused = Json::array();
     while (row.step()) {
+        if (!row.null(1) && row.integer(1) == 0) {
+            refused.push_back(row.text(0));
+            continue;
+        }
         ++ran;
         if (row.integer(2) == 0) {
             unfinished.push_back(row.text(0));
@@ -87,7 +96,10 @@ Json people_of(data::Database& database, const std::string& study) {
             missing.push_back(row.text(0));
         }
     }
-    return {{"ran", ran}, {"unfinished", unfinished}, {"consent_missing", missing}};
+    return {{"ran", ran},
+            {"unfinished", unfinished},
+            {"consent_missing", missing},
+            {"refused", refused}};
 }
 
 Json studies_of(data::Database& database) {
@@ -136,6 +148,9 @@ std::string study_text(const Json& study) {
         counted(study["planned"].get<std::size_t>(), "person", "people"),
         study["remaining"].get<std::size_t>(), listed(people["unfinished"]),
         listed(people["consent_missing"]));
+    if (!people["refused"].empty()) {
+        text += fmt::format("  do not consent: {}\n", listed(people["refused"]));
+    }
     text += orders_text("pictures", study["picture_orders"]) +
             orders_text("friction blocks", study["friction_orders"]);
     const Json& sessions = study["sessions"];
@@ -143,12 +158,13 @@ std::string study_text(const Json& study) {
         return session["version"] != sessions.front()["version"];
     });
     for (const Json& session : sessions) {
-        text += fmt::format("  {:<12} session {}  {:<9}  {} of {} answered{}{}{}\n",
+        text += fmt::format("  {:<12} session {}  {:<9}  {} of {} answered{}{}{}{}\n",
                             session["participant"].get<std::string>(), session["number"].get<int>(),
                             session["kind"].get<std::string>(), session["answered"].get<int>(),
                             session["planned"].get<int>(),
                             session["finished"].get<bool>() ? ", finished" : "",
                             session["withdrawn"].get<bool>() ? ", withdrawn" : "",
+                            session["refused"].get<bool>() ? ", no consent" : "",
                             several ? ", of " + session["version"].get<std::string>() : "");
     }
     return text;
