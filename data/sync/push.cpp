@@ -80,15 +80,14 @@ private:
                                                 session.number, session.uuid, what));
     }
 
-    /// Nothing of who does not consent goes on; what is there only an administrator can delete.
+    /// Nothing of who does not consent goes on, whoever noted it, this file or one that was pushed
+    /// before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
-        if (choice_.including_refused) {
-            return false;
-        }
         Statement row = database_.prepare(
             "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0",
             session.participant);
-        if (!row.step()) {
+        const bool here = row.step();
+        if (choice_.including_refused || (!here && !refused_.contains(session.participant))) {
             return false;
         }
         ++report_.declined;
@@ -99,6 +98,10 @@ private:
             conflict(session,
                      "they do not consent, and the server has it: an administrator deletes the "
                      "rows of this session_uuid");
+        } else if (!here) {
+            conflict(session,
+                     "they do not consent, says the server, and not this file: note it here, or an "
+                     "administrator deletes that note if it is wrong");
         }
         return true;
     }
@@ -139,6 +142,11 @@ private:
         for (const auto& row : server_.rows(
                  "SELECT participant_code || ' ' || key, value FROM palpate.participant_note")) {
             there[*row[0]].insert(*row[1]);
+        }
+        for (const auto& row : server_.rows(
+                 "SELECT participant_code FROM palpate.participant_note WHERE key = 'consent' AND "
+                 "value = '0'")) {
+            refused_.insert(*row[0]);
         }
         one_at_a_time();
         Statement note = database_.prepare(
@@ -361,7 +369,8 @@ private:
     std::vector<PostgresTable> tables_;
     std::map<std::string, std::string> insert_;
     PushChoice choice_;
-    std::set<std::string> begun_;  ///< uuids of sessions that the server has
+    std::set<std::string> begun_;    ///< uuids of sessions that the server has
+    std::set<std::string> refused_;  ///< who does not consent by the server's notes before
     PushReport report_;
 };
 

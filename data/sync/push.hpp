@@ -26,10 +26,10 @@ struct PushReport {
 
 /// Adds what the server does not have yet of a file: sessions with their plans, every attempt that
 /// ended with its chunks as they are, events, ends, studies, handedness and consent. The file is
-/// only read. Of who is noted as not consenting nothing is sent, and nothing taken away that is
-/// there: only an administrator can. An attempt and all that belongs to it is one transaction, so
-/// that a push that was cut off left whole attempts behind, and the next one goes on. Pushing twice
-/// is pushing once.
+/// only read. Of who is noted as not consenting, here or on the server, nothing is sent, and
+/// nothing taken away that is there: only an administrator can. An attempt and all that belongs to
+/// it is one transaction, so that a push that was cut off left whole attempts behind, and the next
+/// one goes on. Pushing twice is pushing once.
 ///
 /// Makes the schema `palpate` if it is not there and the user may, and adds again what somebody
 /// took away: rows are counted. Values that somebody changed beside a hash are not seen. In

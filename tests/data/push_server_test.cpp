@@ -177,6 +177,8 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
              "--\" (a)"})
             .wait();
     REQUIRE(lab.code == 0);
+    const std::string older = folder.file("older.sqlite");
+    std::filesystem::copy_file(file, older);
     ran({"participant", file, "demo", "--consent", "no"});
     ran({"participant", file, "later", "--new", "--consent", "yes"});
     const auto push = [&](std::vector<std::string> more) {
@@ -196,6 +198,10 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
         CHECK(count(std::string("palpate.") + table) == "0");
     }
     CHECK(count("pg_class WHERE relname IN ('pwned', 'my_codes', 'mine')") == "0");
+    // Nor does a file that does not know of it, as another rig's, or an older copy.
+    check_end(palpate_command({"push", older, "--to", server->url()}), 1,
+              Has("they do not consent, says the server"));
+    CHECK(count("palpate.session") == "0");
     // Who refuses later does so on the server too, and a yes after that is not taken there.
     const std::string refused =
         "palpate.participant_note WHERE participant_code = 'later' AND key = 'consent' AND value = "
