@@ -241,6 +241,16 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     tests::Process follows(
         {tests::palpate_program(), "status", session.file, "--follow", "--json"});
     REQUIRE(eventually([&] { return follows.out().find('\n') != std::string::npos; }));
+    {  // how it ended is said, however late somebody looks
+        ShownSession other(tests::kFourTrials, {"0.3"});
+        tests::Process late({tests::palpate_program(), "status", other.file, "--follow", "--json"});
+        REQUIRE(eventually([&] { return late.out().find('\n') != std::string::npos; }));
+        late.signal(SIGSTOP);
+        other.program.signal(SIGTERM);
+        CHECK(other.program.wait().code == 3);
+        late.signal(SIGCONT);
+        CHECK_THAT(late.wait().out, Has("\"ended\":\"ended early\""));
+    }
     const std::vector<std::string> refuses{"participant", session.file, "P1", "--consent", "no"};
     CHECK_THAT(tests::palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
     session.program.signal(SIGKILL);

@@ -222,16 +222,24 @@ struct Running {
             silent = silent_of(database, sessions);
         }
     }
-    /// As they stand; none of those whose program has ended.
+    [[nodiscard]] bool all_live() const {
+        return std::ranges::all_of(sessions, &RunningSession::alive);
+    }
+    /// As they stand; of those whose program has ended, none that did not say how.
     [[nodiscard]] Json states() const {
         Json all = silent;
         for (const RunningSession& session : sessions) {
-            const auto state = session.alive() ? session.reader->state() : std::nullopt;
-            if (Json shown = object_in(state ? state->json : ""); !shown.empty()) {
+            const bool alive = session.alive();
+            const auto state = session.reader->state();
+            Json shown = object_in(state ? state->json : "");
+            if (!shown.empty() && (alive || has_ended(shown))) {
                 all.push_back(std::move(shown));
             }
         }
         return all;
+    }
+    [[nodiscard]] static bool has_ended(const Json& state) {
+        return state.value("ended", Json()).is_string();
     }
 };
 
@@ -241,15 +249,16 @@ void follow(data::Database& database, Running running, bool json) {
     bool any = true;
     for (int turn = 1; any && !interrupted(); ++turn) {
         any = false;
+        const bool last_words = !running.all_live();
         for (const Json& state : running.states()) {
-            any = any || !state.value("ended", Json()).is_string();
+            any = any || !Running::has_ended(state);
             const std::string text = json ? one_line(state) + '\n' : running_text(state);
             if (std::exchange(said[state.value("session", "")], text) != text) {
                 say("{}", text);
             }
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(200));
-        if (any && turn % 5 == 0) {
+        if (any && (last_words || (turn % 5 == 0 && running.all_live()))) {
             running = Running(database);
         }
     }
