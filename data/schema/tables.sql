@@ -1,5 +1,5 @@
 -- palpate, schema 1. SI units, in the column names. Times *_utc are wall clock and for people;
--- every duration comes from the servo's monotonic clock.
+-- every duration comes from the servo's monotonic clock, but for session_health.duration_s.
 PRAGMA application_id = 1885432944;
 PRAGMA user_version = 1;
 

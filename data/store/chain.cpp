@@ -350,4 +350,24 @@ std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
     return ChainWalk(database, session, false).all();
 }
 
+std::string kept_head(Database& database, std::int64_t session) {
+    std::string head = chain_head(database, session);
+    if (database.in_memory()) {
+        return head;
+    }
+    std::string why = "the session is another one there";
+    try {
+        Database anew(database.file(), Access::read);
+        if (chain_head(anew, session) == head && chain_breaks(anew, session).empty()) {
+            return head;
+        }
+    } catch (const StoreError& e) {
+        why = e.what();
+    }
+    throw StoreError(fmt::format(
+        "{}: something wrote over it while it was in use ({}): what was recorded may not be there; "
+        "palpate verify says what is",
+        database.file(), why));
+}
+
 }  // namespace palpate::data

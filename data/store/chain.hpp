@@ -75,6 +75,10 @@ void chain_anew(Database& database, std::int64_t session);
 /// The newest head of a session; empty: it has none yet.
 [[nodiscard]] std::string chain_head(Database& database, std::int64_t session);
 
+/// chain_head() of a session that ended, once the file was opened anew and had all of the session
+/// as it was chained. @throws StoreError if it has not: something wrote over it
+[[nodiscard]] std::string kept_head(Database& database, std::int64_t session);
+
 /// A value that is not the one that was chained.
 struct ChainBreak {
     std::int64_t trial = 0;  ///< 0: of the session as a whole

@@ -313,6 +313,7 @@ void Database::checkpoint() {
     if (in_memory_) {
         return;
     }
+    rescue_deleted();  // who has another log must not find this one's pages in the file
     sqlite3_busy_timeout(connection_.handle, 0);
     const int code = sqlite3_wal_checkpoint_v2(connection_.handle, nullptr,
                                                SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
@@ -323,12 +324,13 @@ void Database::checkpoint() {
     require_in_place();
 }
 
-void Database::require_in_place() const {
+void Database::require_in_place() {
+    rescue_deleted();
     int moved = 0;
     sqlite3_file_control(connection_.handle, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
     refuse_if<StoreError>(moved != 0,
-                          "{}: it was moved or deleted while it was in use; what was recorded is "
-                          "in the file wherever it is now: put it back and run again",
+                          "{}: it was moved while it was in use; what was recorded is in the file "
+                          "wherever it is now: put it back and run again",
                           connection_.file);
 }
 

@@ -77,9 +77,10 @@ public:
     /// for nobody: a reader that is still looking delays it to the next time. Then as
     /// require_in_place().
     void checkpoint();
-    /// @throws StoreError if the file was moved or deleted since it was opened: what is written
-    /// goes with it
-    void require_in_place() const;
+    /// What is deleted is kept, as far as this connection sees it, as FILE.rescued.
+    /// @throws StoreError if the file, or its log, was moved or deleted since it was opened: what
+    /// is written goes with it, and another program does not see it
+    void require_in_place();
 
     /// @throws StoreError "FILE: doing: what SQLite said"
     [[noreturn]] void fail(std::string_view doing) const { connection_.fail(doing); }
@@ -88,6 +89,8 @@ public:
     [[nodiscard]] sqlite3* handle() const { return connection_.handle; }
 
 private:
+    void rescue_deleted();
+
     struct Identity {
         std::int64_t application = 0;
         std::int64_t version = 0;
@@ -105,6 +108,7 @@ private:
     Connection connection_;
     int wait_ms_ = 5000;
     bool in_memory_ = false;
+    std::string rescued_{};  ///< where a deleted file's content is
     std::function<std::int64_t()> clock_;
 };
 

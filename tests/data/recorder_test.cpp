@@ -100,26 +100,38 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
 }
 
 TEST_CASE(
-    "a file that is moved or deleted under the rig is missed at the end of the trial, and a moved "
-    "one has all",
+    "a file that is moved, or deleted with or without its log, under the rig is missed at the end "
+    "of the trial, and what was recorded is there",
     "[store][law]") {
-    const bool moved = GENERATE(false, true);
+    const std::string what = GENERATE("moved", "deleted", "log deleted");
+    CAPTURE(what);
     tests::SmallSession rig;
     const auto ticks = tests::random_ticks(3, 5000);
     const auto id = rig.begin(0);
     rig.recorder.append(id, std::span(ticks).first(4500));
+    const bool moved = what == "moved";
     if (moved) {
         std::filesystem::rename(rig.folder.file("a.sqlite"), rig.folder.file("b.sqlite"));
-    } else {
+    } else if (what == "deleted") {
         std::filesystem::remove(rig.folder.file("a.sqlite"));
+    } else {
+        std::filesystem::remove(rig.folder.file("a.sqlite-wal"));
+        std::filesystem::remove(rig.folder.file("a.sqlite-shm"));
+        // Another program on a log of its own: what both wrote would be neither's.
+        Database other(rig.folder.file("a.sqlite"), Access::write);
+        other.execute("CREATE TABLE of_another (x)");
     }
     rig.recorder.append(id, std::span(ticks).subspan(4500));
-    CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)),
-                      Has("a.sqlite: it was moved or deleted"));
-    CHECK_THROWS_WITH(rig.begin(1), Has("put it back"));
-    if (moved) {
-        Database there(rig.folder.file("b.sqlite"), Access::read);
-        check_same(data::read_trace(there, id), ticks);
+    const char* said = moved ? "a.sqlite: it was moved" : "a.sqlite: it, or its log, was deleted";
+    const char* remedy = moved ? "put it back" : "a.sqlite.rescued: put that in its place";
+    CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)), Has(said));
+    CHECK_THROWS_WITH(rig.begin(1), Has(remedy));
+    Database there(rig.folder.file(moved ? "b.sqlite" : "a.sqlite.rescued"), Access::read);
+    check_same(data::read_trace(there, id), ticks);
+    if (what == "log deleted") {
+        Database others(rig.folder.file("a.sqlite"), Access::read);
+        CHECK(others.first("SELECT count(*) FROM sqlite_schema WHERE name = 'of_another'")
+                  .integer(0) == 1);
     }
 }
 

@@ -393,7 +393,7 @@ RigEnd run_rig(data::Database& database,
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
     }
-    return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
+    return {.session = std::move(end), .head = data::kept_head(database, opened.id)};
 }
 
 }  // namespace palpate::ui
