@@ -73,8 +73,10 @@ public:
     /// Trust). Else there is nothing to prove.
     [[nodiscard]] virtual bool has_proof() const noexcept { return false; }
     /// Between trials, on any thread while nobody else uses it: is the free handle where its
-    /// encoders say? After they lost their place also at the second mark.
+    /// encoders say? After they lost their place, or doubt_plugs(), at the second mark.
     [[nodiscard]] virtual engine::ShortForm prove_place() { return {}; }
+    /// The device was away, and whatever is plugged into it may be plugged in otherwise.
+    virtual void doubt_plugs() {}
     /// The same: do weak pulses move it as when the rig was commissioned?
     [[nodiscard]] virtual engine::ShortForm prove_motors() { return {}; }
     /// Between trials: where the free handle is, m, read with zero force; infinitely far while the

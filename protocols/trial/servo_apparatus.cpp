@@ -203,7 +203,9 @@ engine::ShortForm RigProof::place(engine::Device& device) {
     }
     const std::size_t homings = device.homings();
     const engine::ShortForm form = homings != proved_homings ? mark(device) : home(device);
-    proved_homings = form.refused.empty() ? homings : proved_homings;
+    if (form.refused.empty()) {
+        proved_homings = homings;
+    }
     return form;
 }
 

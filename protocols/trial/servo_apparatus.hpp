@@ -177,10 +177,11 @@ struct RigProof {
     Step motors;  ///< weak pulses move it as they should
 
     /// The device has to work; home is enough where it was proved before, the mark is asked for
-    /// where it was taken anew.
+    /// where it was taken anew, or the plugs are in doubt.
     [[nodiscard]] engine::ShortForm place(engine::Device& device);
 
-    std::size_t proved_homings = 0;  ///< of those that the device had, so many met the mark
+    /// Of those that the device had, so many met the mark; none: the plugs are in doubt.
+    std::optional<std::size_t> proved_homings = 0;
 };
 
 /// A real device in real time, on the servo's own thread.
@@ -217,6 +218,7 @@ public:
     [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
     [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
     [[nodiscard]] engine::ShortForm prove_place() override;
+    void doubt_plugs() override { proof_.proved_homings.reset(); }
     [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::optional<engine::Vec3> place() override;
     [[nodiscard]] engine::Trip place_fault() const override { return place_fault_; }

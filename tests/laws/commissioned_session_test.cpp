@@ -130,6 +130,20 @@ TEST_CASE(
         hears({"too weak", "become weaker", "supply weak"});
         board.bring("motor 1 1");
         press_up_to(hand, run, "ready");
+    } else {
+        // It was silent, and has its counts: its plugs may be others, all the same.
+        press_up_to(hand, run, "explore");
+        const std::size_t from = run.program().out().size();
+        board.signal(SIGSTOP);
+        pause(0.15);
+        board.signal(SIGCONT);
+        const auto asks = [&](const char* what) {
+            return eventually(
+                [&] { return run.program().out().find(what, from) != std::string::npos; });
+        };
+        CHECK(asks("trouble: "));
+        board.bring("0,89.3");
+        CHECK(asks("Bring the handle to the second mark"));
     }
     end_session(hand, run);
     const Finished end = run.program().wait();

@@ -43,6 +43,7 @@ public:
                std::size_t interval) override {
         CHECK(placed);
         CHECK(pulsed);
+        CHECK(plugs_known);
         CHECK(since++ < kMaxTrialsOfAProof);
         FaultyApparatus::begin(scene, planned, interval);
     }
@@ -50,6 +51,9 @@ public:
         const auto status = FaultyApparatus::advance();
         if (status == engine::ServoStatus::faulted && changes_at_faults) {
             change();
+            const bool away = trip() == Trip::device_lost || trip() == Trip::device_silent ||
+                              trip() == Trip::device_stopped || trip() == Trip::device_garbage;
+            plugs_known = plugs_known && !away;
         }
         return status;
     }
@@ -61,8 +65,11 @@ public:
     [[nodiscard]] bool began_anew() override { return std::exchange(anew_, false); }
     [[nodiscard]] engine::ShortForm prove_place() override {
         CHECK_FALSE(force_on);
-        return step(places_left_, placed, "the handle is elsewhere");
+        const auto form = step(places_left_, placed, "the handle is elsewhere");
+        plugs_known = plugs_known || (placed && std::exchange(asks_mark_, false));
+        return form;
     }
+    void doubt_plugs() override { asks_mark_ = true; }
     [[nodiscard]] engine::ShortForm prove_motors() override {
         CHECK_FALSE(force_on);
         CHECK(placed);  // a force at a wrong place proves nothing
@@ -82,7 +89,8 @@ public:
     int pulses = 0;
     bool placed = false;
     bool pulsed = false;
-    std::size_t since = 0;  ///< trials since pulses were right
+    bool plugs_known = true;  ///< none was away since the second mark was met
+    std::size_t since = 0;    ///< trials since pulses were right
 
 private:
     static engine::ShortForm step(int& left, bool& right, const char* why) {
@@ -92,6 +100,7 @@ private:
                      : engine::ShortForm{.refused = why, .found = {}};
     }
     bool anew_ = false;
+    bool asks_mark_ = false;
     int wrong_;
     Trip cause_;
     int places_left_ = 0;
