@@ -90,6 +90,8 @@ void Database::rescue_deleted() {
     if (in_memory_ || !was_deleted(sqlite3_db_filename(connection_.handle, "main"))) {
         return;
     }
+    // Nor at the end, when SQLite would also delete whatever has its log's name then.
+    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     if (rescued_.empty()) {
         std::string name = connection_.file + ".rescued";
         for (int i = 2; std::filesystem::exists(name); ++i) {

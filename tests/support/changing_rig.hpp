@@ -18,7 +18,7 @@ public:
         ++count[event.kind];
         count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
         causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
-        anew += event.value == kAnew && event.text.ends_with(": id 7") ? 1U : 0U;
+        anew += event.value == kAnew && event.text.find(": id 7") != std::string::npos ? 1U : 0U;
     }
 
     std::map<EventKind, std::size_t> count;
