@@ -1,6 +1,5 @@
 #include "data/store/disk_space.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -8,29 +7,14 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
-#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "data/store/database.hpp"
+#include "data/store/statement.hpp"
 
 namespace palpate::data {
-namespace {
-
-/// This process has the file, or its log, open under that name, and somebody deleted the name.
-bool was_deleted(const std::string& path) {
-    std::error_code unknown;
-    const auto open = std::filesystem::directory_iterator("/proc/self/fd", unknown);
-    return std::ranges::any_of(open, [&](const auto& descriptor) {
-        const std::string target = std::filesystem::read_symlink(descriptor, unknown).string();
-        return target == path + " (deleted)" || target == path + "-wal (deleted)";
-    });
-}
-
-}  // namespace
 
 constexpr double kBytesPerTick = 40.0;
 constexpr double kBytesBesides = 16e6;
@@ -84,27 +68,6 @@ bool has_log(const std::string& name) {
     std::error_code unknown;
     const auto size = std::filesystem::file_size(log_of(name), unknown);
     return !unknown && size > 0;
-}
-
-void Database::rescue_deleted() {
-    if (in_memory_ || !was_deleted(sqlite3_db_filename(connection_.handle, "main"))) {
-        return;
-    }
-    // Nor at the end, when SQLite would also delete whatever has its log's name then.
-    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-    if (rescued_.empty()) {
-        std::string name = connection_.file + ".rescued";
-        for (int i = 2; std::filesystem::exists(name); ++i) {
-            name = fmt::format("{}.rescued-{}", connection_.file, i);
-        }
-        run("VACUUM INTO ?1", name);
-        chmod(name.c_str(), S_IRUSR | S_IWUSR);
-        rescued_ = std::move(name);
-    }
-    throw StoreError(
-        fmt::format("{}: it, or its log, was deleted while it was in use; all that was recorded is "
-                    "in {}: put that in its place and run again",
-                    connection_.file, rescued_));
 }
 
 }  // namespace palpate::data

@@ -35,6 +35,9 @@ public:
     /// @param waited_s  that the session slept since the fault
     void try_on(double waited_s) {
         const bool proves = back_ && !stopped_;
+        if (rig_.trust.state == Trust::unknown) {  // until it is back
+            ports_.apparatus.doubt_plugs();
+        }
         ProofStep step = prove_step(ports_.apparatus, proves ? rig_.trust.state : Trust::unknown);
         look();
         if (!step.event) {

@@ -118,7 +118,6 @@ ProofStep prove_step(Apparatus& apparatus, Trust state) {
     }
     const bool came_anew = apparatus.began_anew();
     if (state == Trust::unknown || came_anew) {
-        apparatus.doubt_plugs();
         return works_again(apparatus, came_anew);
     }
     ProofStep step =

@@ -327,7 +327,8 @@ TEST_CASE(
     auto row = database.prepare(
         "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN "
         "event_kind = "
-        "'provenance' THEN '' ELSE ' ' || coalesce(value, '') END AS word FROM event WHERE "
+        "'provenance' THEN '' ELSE ' ' || replace(coalesce(value, ''), 'device_silent', "
+        "'device_lost') END AS word FROM event WHERE "
         "event_kind "
         "IN ('fault', 'reconnect', 'go on') OR key IN ('start pose', 'rig check') ORDER BY "
         "event_id)");

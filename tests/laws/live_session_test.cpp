@@ -254,14 +254,13 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     const std::vector<std::string> refuses{"participant", session.file, "P1", "--consent", "no"};
     CHECK_THAT(tests::palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
     session.program.signal(SIGKILL);
-    const tests::Finished finished = follows.wait();
-    CHECK(finished.code == 0);
+    CHECK(follows.wait().code == 0);
     CHECK(tests::palpate_command(refuses).error.empty());
     data::Database(session.file, data::Access::write)
         .execute("UPDATE session SET session_kind = 'real'");
-    const tests::Finished after = tests::palpate_command({"status", session.file});
-    CHECK_THAT(after.out, Has("Nothing runs on it now", "0 of 1 person planned ran, 1 to go",
-                              "  do not consent: P1\n", ", no consent\n"));
+    CHECK_THAT(tests::palpate_command({"status", session.file}).out,
+               Has("Nothing runs on it now", "0 of 1 person planned ran, 1 to go",
+                   "  do not consent: P1\n", ", no consent\n"));
 }
 
 TEST_CASE("whatever shows stimuli and answers of a file says once that a session runs on it",

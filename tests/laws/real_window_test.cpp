@@ -88,9 +88,10 @@ TEST_CASE(
     session.press_at("welcome", "space");
     for (int trial = 0; trial < 4; ++trial) {
         const XHand::Window before = session.wait_for_screen("ready");
-        REQUIRE(before.x > 0);
+        const int beside = before.x + before.width + 5;
+        REQUIRE(beside < WindowSession::Screen{}.width);
         if (trial % 2 == 0) {
-            hand.move(0, before.y + before.height / 2);  // beside the window
+            hand.move(beside, before.y + before.height / 2);
         } else {
             hand.move(before.x + before.width / 2, before.y + 2 * before.height / 3);  // inside
         }
