@@ -24,6 +24,9 @@ using Number = Quad;
 inline const Quad& number(const Quad& q) noexcept {
     return q;
 }
+inline void put(const Quad& q, char* to) noexcept {
+    std::memcpy(to, &q, sizeof q);
+}
 #include "engine/surface/patch_jets.inl"
 }  // namespace plain
 
@@ -38,7 +41,6 @@ struct Number {
     Four all;
 
     [[nodiscard]] double w() const noexcept { return all[3]; }
-    [[nodiscard]] Vec3 xyz() const noexcept { return Vec3{all[0], all[1], all[2]}; }
 
     friend Number operator+(const Number& a, const Number& b) noexcept { return {a.all + b.all}; }
     friend Number operator-(const Number& a, const Number& b) noexcept { return {a.all - b.all}; }
@@ -52,6 +54,10 @@ inline Number number(const Quad& q) noexcept {
     static_assert(sizeof n == sizeof q);
     std::memcpy(&n, &q, sizeof n);
     return n;
+}
+inline void put(const Number& n, char* to) noexcept {
+    using Stored [[gnu::vector_size(32), gnu::aligned(16), gnu::may_alias]] = double;
+    *reinterpret_cast<Stored*>(to) = n.all;
 }
 #include "engine/surface/patch_jets.inl"
 }  // namespace wide
@@ -108,19 +114,14 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
     const auto needed = static_cast<std::size_t>((degree_u + 1) * (degree_v + 1));
     refuse_if(net.size() != needed, "a patch of degree {} x {} needs {} control points, not {}",
               degree_u, degree_v, needed, net.size());
+    jet_ = has_avx2() ? jet_by<wide::Jets>() : jet_by<plain::Jets>();
     if (!polynomial || degree_u > 3 || degree_v > 3) {
-        method_ = degree_u == 3 && degree_v == 3 ? Method::bicubic
-                : degree_u == 2 && degree_v == 2 ? Method::biquadratic
-                                                 : Method::any;
-        if (method_ == Method::bicubic) {
-            prepared_ = with_differences(net_);
-        }
-        if (method_ == Method::any) {
-            work_ *= kUnrolled;
-        }
+        const bool bicubic = degree_u == 3 && degree_v == 3;
+        const bool known = bicubic || (degree_u == 2 && degree_v == 2);
+        prepared_ = bicubic ? with_differences(net_) : net_;
+        work_ *= known ? Work{1} : kUnrolled;
         return;
     }
-    method_ = Method::powers;
     std::array<std::array<Quad, 4>, 4> rows{};  // powers of v for each control row
     for (int i = 0; i <= degree_u; ++i) {
         std::array<Quad, 4> line{};
@@ -139,20 +140,12 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
     }
 }
 
-SurfaceJet BezierPatch::at(double u, double v) const noexcept {
-    const auto by = [&]<class Jets>(Jets) {
-        switch (method_) {
-            case Method::powers:
-                return Jets::powers(prepared_.data(), u, v);
-            case Method::bicubic:
-                return Jets::cubic(prepared_.data(), u, v);
-            case Method::biquadratic:
-                return Jets::cut(net_.data(), Degree<2>{}, Degree<2>{}, u, v);
-            default:
-                return Jets::cut(net_.data(), degree_u_, degree_v_, u, v);
-        }
-    };
-    return has_avx2() ? by(wide::Jets{}) : by(plain::Jets{});
+template <class Jets>
+BezierPatch::Jet BezierPatch::jet_by() const noexcept {
+    return polynomial_ && degree_u_ <= 3 && degree_v_ <= 3 ? Jets::powers
+         : degree_u_ == 3 && degree_v_ == 3                ? Jets::cubic
+         : degree_u_ == 2 && degree_v_ == 2                ? Jets::square
+                                                           : Jets::any;
 }
 
 }  // namespace palpate::engine

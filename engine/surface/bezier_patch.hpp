@@ -45,13 +45,14 @@ struct Quad {
 using Work = std::int64_t;
 
 /// Point and derivatives of a surface at one (u, v): m, m per unit of u or v, and so on.
+/// Each lies in a place of four doubles, as it is written by the registers of AVX2.
 struct SurfaceJet {
-    Vec3 point{};
-    Vec3 du{};
-    Vec3 dv{};
-    Vec3 duu{};
-    Vec3 duv{};
-    Vec3 dvv{};
+    alignas(16) Vec3 point{};
+    alignas(16) Vec3 du{};
+    alignas(16) Vec3 dv{};
+    alignas(16) Vec3 duu{};
+    alignas(16) Vec3 duv{};
+    alignas(16) Vec3 dvv{};
 };
 
 /// Curvature of the normal section in the direction a du + b dv, 1/m, > 0: the surface curves away
@@ -93,23 +94,29 @@ public:
 
     /// S and its derivatives per unit of this patch's u and v, relative to the local origin. u and
     /// v are not clamped.
-    [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
+    [[nodiscard]] SurfaceJet at(double u, double v) const noexcept {
+        return jet_(prepared_.data(), degree_u_, degree_v_, u, v);
+    }
     /// What at() costs.
     [[nodiscard]] Work work() const noexcept { return work_; }
     /// S alone.
     [[nodiscard]] Vec3 point(double u, double v) const noexcept { return at(u, v).point; }
 
 private:
-    enum class Method : std::uint8_t { powers, bicubic, biquadratic, any };
+    /// A way to evaluate a patch of these degrees, from what it wants prepared.
+    using Jet = SurfaceJet (*)(const Quad*, int, int, double u, double v) noexcept;
+    template <class Jets>
+    [[nodiscard]] Jet jet_by() const noexcept;
 
     int degree_u_ = 1;
     int degree_v_ = 1;
     bool polynomial_ = false;
-    Method method_ = Method::any;
     Work work_ = 0;
+    Jet jet_ = nullptr;  ///< chosen once, for this processor
     std::vector<Quad> net_;
-    std::vector<Quad> prepared_;  ///< powers: coefficients of u^i v^j at 4 i + j; bicubic: the net
-                                  ///< and its differences along u
+    std::vector<Quad> prepared_;  ///< of low degrees and one weight: coefficients of u^i v^j at
+                                  ///< 4 i + j; bicubic: the net and its differences along u; else
+                                  ///< the net
 };
 
 }  // namespace palpate::engine

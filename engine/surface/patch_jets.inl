@@ -79,21 +79,36 @@ inline HomogeneousJet cut_net(const Quad* net, P p, Q q, double u, double v) noe
     return jet;
 }
 
+/// Each with its w, which nobody reads, in the place that SurfaceJet leaves for it: packed without
+/// them, two coordinates read at once may come from two writes, and wait until both are in memory.
+inline SurfaceJet jet_of(const Number& point,
+                         const Number& du,
+                         const Number& dv,
+                         const Number& duu,
+                         const Number& duv,
+                         const Number& dvv) noexcept {
+    SurfaceJet jet;
+    static_assert(sizeof jet == 6 * sizeof(Number));
+    char* to = reinterpret_cast<char*>(&jet);
+    put(point, to);
+    put(du, to + sizeof(Number));
+    put(dv, to + 2 * sizeof(Number));
+    put(duu, to + 3 * sizeof(Number));
+    put(duv, to + 4 * sizeof(Number));
+    put(dvv, to + 5 * sizeof(Number));
+    return jet;
+}
+
 /// The quotient rule (The NURBS Book, eq. 4.20), solved from the value upwards.
 inline SurfaceJet divide(const HomogeneousJet& h) noexcept {
     const double inverse = 1.0 / h.v.value.w();
     const Number s = inverse * h.v.value;
     const Number su = inverse * (h.u.first - h.u.first.w() * s);
     const Number sv = inverse * (h.v.first - h.v.first.w() * s);
-    SurfaceJet jet;
-    jet.point = s.xyz();
-    jet.du = su.xyz();
-    jet.dv = sv.xyz();
-    jet.duu = (inverse * (h.u.second - (2.0 * h.u.first.w()) * su - h.u.second.w() * s)).xyz();
-    jet.duv =
-        (inverse * (h.mixed - h.u.first.w() * sv - h.v.first.w() * su - h.mixed.w() * s)).xyz();
-    jet.dvv = (inverse * (h.v.second - (2.0 * h.v.first.w()) * sv - h.v.second.w() * s)).xyz();
-    return jet;
+    return jet_of(s, su, sv,
+                  inverse * (h.u.second - (2.0 * h.u.first.w()) * su - h.u.second.w() * s),
+                  inverse * (h.mixed - h.u.first.w() * sv - h.v.first.w() * su - h.mixed.w() * s),
+                  inverse * (h.v.second - (2.0 * h.v.first.w()) * sv - h.v.second.w() * s));
 }
 
 /// Bernstein polynomials of degree 3, 2 and 1 at u, the lower ones times 3 and 6: applied to
@@ -177,7 +192,7 @@ inline Line horner(
 }
 
 /// `c`: coefficients of u^i v^j at 4 i + j.
-inline SurfaceJet by_powers(const Quad* c, double u, double v) noexcept {
+[[gnu::always_inline]] inline SurfaceJet by_powers(const Quad* c, double u, double v) noexcept {
     std::array<Line, 4> r;
     for (std::size_t i = 0; i < 4; ++i) {
         r[i] = horner(number(c[4 * i]), number(c[4 * i + 1]), number(c[4 * i + 2]),
@@ -186,27 +201,21 @@ inline SurfaceJet by_powers(const Quad* c, double u, double v) noexcept {
     const Line s = horner(r[0].value, r[1].value, r[2].value, r[3].value, u);
     const Line sv = horner(r[0].first, r[1].first, r[2].first, r[3].first, u);
     const Line svv = horner(r[0].second, r[1].second, r[2].second, r[3].second, u);
-    return {.point = s.value.xyz(),
-            .du = s.first.xyz(),
-            .dv = sv.value.xyz(),
-            .duu = (2.0 * s.second).xyz(),
-            .duv = sv.first.xyz(),
-            .dvv = (2.0 * svv.value).xyz()};
+    return jet_of(s.value, s.first, sv.value, 2.0 * s.second, sv.first, 2.0 * svv.value);
 }
 
-/// BezierPatch::at by each method; none within it, which would save all registers for any.
+/// BezierPatch::at by each method.
 struct Jets {
-    [[gnu::noinline]] static SurfaceJet powers(const Quad* coefficients,
-                                               double u,
-                                               double v) noexcept {
-        return by_powers(coefficients, u, v);
+    static SurfaceJet powers(const Quad* c, int /*p*/, int /*q*/, double u, double v) noexcept {
+        return by_powers(c, u, v);
     }
-    [[gnu::noinline]] static SurfaceJet cubic(const Quad* net, double u, double v) noexcept {
+    static SurfaceJet cubic(const Quad* net, int /*p*/, int /*q*/, double u, double v) noexcept {
         return divide(bicubic(net, u, v));
     }
-    template <class P, class Q>
-    [[gnu::noinline]] static SurfaceJet cut(
-        const Quad* net, P p, Q q, double u, double v) noexcept {
+    static SurfaceJet square(const Quad* net, int /*p*/, int /*q*/, double u, double v) noexcept {
+        return divide(cut_net(net, Degree<2>{}, Degree<2>{}, u, v));
+    }
+    static SurfaceJet any(const Quad* net, int p, int q, double u, double v) noexcept {
         return divide(cut_net(net, p, q, u, v));
     }
 };
