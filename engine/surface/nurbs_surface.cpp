@@ -13,9 +13,6 @@ namespace {
 using Points = std::vector<std::vector<Vec3>>;
 using Weights = std::vector<std::vector<double>>;
 
-/// du x dv counts as vanished below this share of |du| |dv|, or of the size where one of them is 0.
-constexpr double kFlat = 1e-10;
-
 std::size_t row_length(const Points& points) {
     return points.empty() ? 0 : points.front().size();
 }
@@ -252,18 +249,6 @@ SurfaceJet NurbsSurface::at(double u, double v) const noexcept {
 Vec3 NurbsSurface::normal(double u, double v) const noexcept {
     const SurfacePlace p = place_of(u, v);
     return normal_at(p, local_jet(p));
-}
-
-Vec3 NurbsSurface::normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept {
-    const Vec3 area = glm::cross(jet.du, jet.dv);
-    const double area2 = glm::dot(area, area);
-    const double a2 = glm::dot(jet.du, jet.du);
-    const double b2 = glm::dot(jet.dv, jet.dv);
-    const double tiny = kFlat * kFlat * size_ * size_;
-    if (area2 > kFlat * kFlat * a2 * b2 && a2 > tiny && b2 > tiny) {
-        return (1.0 / std::sqrt(area2)) * area;
-    }
-    return limit_normal(p);
 }
 
 /// First along v, then u, then both, towards the middle of the patch: the derivative of du x dv on

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct SurfacePlace {
     double v = 0.0;
     std::size_t surface = 0;
 };
+
+/// du x dv counts as vanished below this share of |du| |dv|, or of the size where one of them is 0.
+inline constexpr double kFlat = 1e-10;
 
 /// A NURBS surface, split once into its rational Bezier patches.
 ///
@@ -85,7 +89,15 @@ public:
         return patch(p.i, p.j).at(p.u, p.v);
     }
     /// Unit normal at `p`, whose local jet is `jet`.
-    [[nodiscard]] Vec3 normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept;
+    [[nodiscard]] Vec3 normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept {
+        const Vec3 area = glm::cross(jet.du, jet.dv);
+        const double area2 = glm::dot(area, area);
+        const double a2 = glm::dot(jet.du, jet.du);
+        const double b2 = glm::dot(jet.dv, jet.dv);
+        const double tiny = kFlat * kFlat * size_ * size_;
+        const bool flat = !(area2 > kFlat * kFlat * a2 * b2 && a2 > tiny && b2 > tiny);
+        return flat ? limit_normal(p) : (1.0 / std::sqrt(area2)) * area;
+    }
 
     /// Whether the borders at both ends of u, or v, are one.
     [[nodiscard]] bool closed_u() const noexcept { return closed_u_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/processor.hpp"
 #include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
@@ -161,7 +162,7 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
         return search(track, h, work);
     }
     FootPlace foot_now;
-    if (!follow(track, h, foot_now)) {
+    if (!as_this_processor_can([&] { return follow(track, h, foot_now); })) {
         const SurfaceFoot foot = descend(*object_, h, track.place, work);
         track.place = foot.place;
         track.jet = foot.jet;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/processor.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -85,15 +87,15 @@ bool on_patch(const Vec2& at) noexcept {
 
 }  // namespace
 
-FlowSpot SurfaceFlow::look(const Vec2& at) noexcept {
+void SurfaceFlow::look(const Vec2& at, FlowSpot& spot) noexcept {
     place_.u = at.x;
     place_.v = at.y;
-    return flow_spot(ground_.jet(place_, kStageWork), at, ground_.h(), ground_.mu());
+    flow_spot(ground_.jet(place_, kStageWork), at, ground_.h(), ground_.mu(), spot);
 }
 
 bool SurfaceFlow::short_step(const FlowSpot& a, double h, Step& step) noexcept {
     const Vec2 to = a.at + h * (a.way + (0.5 * h) * a.bend);
-    step.to = look(to);
+    look(to, step.to);
     const FlowSpot& b = step.to;
     if (!b.regular) {
         return false;
@@ -113,18 +115,20 @@ bool SurfaceFlow::short_step(const FlowSpot& a, double h, Step& step) noexcept {
 
 bool SurfaceFlow::long_step(const FlowSpot& a, double h, Step& step) noexcept {
     const double h2 = h * h;
-    const FlowSpot p = look(a.at + (0.2 * h) * a.way + (0.02 * h2) * a.bend);
+    FlowSpot p;
+    look(a.at + (0.2 * h) * a.way + (0.02 * h2) * a.bend, p);
     if (!p.regular) {
         step.error = 1e300;
         return false;
     }
-    const FlowSpot q = look(a.at + (2.0 / 3.0 * h) * a.way + (h2 / 27.0) * (7.0 * p.bend - a.bend));
+    FlowSpot q;
+    look(a.at + (2.0 / 3.0 * h) * a.way + (h2 / 27.0) * (7.0 * p.bend - a.bend), q);
     if (!q.regular) {
         step.error = 1e300;
         return false;
     }
     step.end = a.at + h * a.way + (h2 / 336.0) * (14.0 * a.bend + 100.0 * p.bend + 54.0 * q.bend);
-    step.to = look(step.end);
+    look(step.end, step.to);
     const FlowSpot& b = step.to;
     if (!b.regular) {
         step.error = 1e300;
@@ -175,14 +179,14 @@ bool SurfaceFlow::into_cone(
         const Vec2 y = arc.at(at);
         place_.u = std::clamp(y.x, 0.0, 1.0);
         place_.v = std::clamp(y.y, 0.0, 1.0);
-        spot = ground_.look(place_);
+        ground_.look(place_, spot);
         x = at;
         if (spot.excess <= 0.0) {
-            best = spot;
-            found = true;
             if (spot.excess >= -spot.rounding) {
                 return true;
             }
+            best = spot;
+            found = true;
         }
         const double value = spot.excess + 0.5 * spot.rounding;
         (value > 0.0 ? lo : hi) = at;
@@ -199,14 +203,18 @@ bool SurfaceFlow::into_cone(
             break;
         }
     }
-    spot = found ? best : spot;
+    if (found) {
+        spot = best;
+    }
     return found;
 }
 
-SurfaceFlow::Arrival SurfaceFlow::end_at(const Vec2& at, double way, Arrival::End end) noexcept {
+void SurfaceFlow::end_at(const Vec2& at, double way, Arrival::End end, Arrival& to) noexcept {
     place_.u = std::clamp(at.x, 0.0, 1.0);
     place_.v = std::clamp(at.y, 0.0, 1.0);
-    return {.spot = ground_.look(place_), .way = way, .end = end};
+    ground_.look(place_, to.spot);
+    to.way = way;
+    to.end = end;
 }
 
 /// Where no cone to speak of is left the steps of Newton's kind take over: there all ways lead to
@@ -240,11 +248,15 @@ bool SurfaceFlow::take(double h, Step& step) noexcept {
             }
         }
     }
-    const double rest = tolerance_ / (step.error + 1e-300);
-    longest_ =
-        h *
-        (step.count == 2 ? 4.0 : std::clamp(0.9 * std::sqrt(std::sqrt(std::sqrt(rest))), 0.3, 4.0));
     return good;
+}
+
+/// How long the next step may be.
+double SurfaceFlow::longest_after(const Step& step) const noexcept {
+    const double rest = tolerance_ / (step.error + 1e-300);
+    return step.h * (step.count == 2
+                         ? 4.0
+                         : std::clamp(0.9 * std::sqrt(std::sqrt(std::sqrt(rest))), 0.3, 4.0));
 }
 
 /// Where a step leaves its patch first.
@@ -292,7 +304,6 @@ bool SurfaceFlow::meets_cone(
 }
 
 SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) noexcept {
-    using End = Arrival::End;
     const double size = ground_.surface().size();
     place_ = from.place;
     tolerance_ = std::max(kFlowError * std::min(std::sqrt(from.r2), size), from.noise);
@@ -300,51 +311,69 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) no
     noise_ = from.noise;
     rounding_ = from.rounding;
     max_ = max;
-    at_ = flow_spot(from.jet, {from.place.u, from.place.v}, ground_.h(), ground_.mu());
+    return as_this_processor_can([&] {
+        flow_spot(from.jet, {from.place.u, from.place.v}, ground_.h(), ground_.mu(), at_);
+        return walk();
+    });
+}
+
+/// From at_ on.
+SurfaceFlow::Arrival SurfaceFlow::walk() noexcept {
+    using End = Arrival::End;
     int last_bits = 0;
     Step step;
+    Arrival to;
+    End end = End::failed;
     while (at_.regular) {
         if (near_foot()) {
-            return end_at(at_.at, way_, End::foot);
+            end = End::foot;
+            break;
         }
         if (tired()) {
             break;
         }
         if (at_.excess <= 2.0 * rounding_ && ++last_bits > 3) {
-            return end_at(at_.at, way_, End::cone);
+            end = End::cone;
+            break;
         }
         if (!take(wanted(), step)) {
             break;
         }
         const FlowArc arc(at_, step.to, step.end, step.h);
         const Exit out = exit_of(arc, step);
-        SurfaceSpot spot;
         double x = 0.0;
-        if (meets_cone(arc, step, out.x, spot, x)) {
-            return {.spot = spot, .way = way_ + x * step.h, .end = End::cone};
+        if (meets_cone(arc, step, out.x, to.spot, x)) {
+            to.way = way_ + x * step.h;
+            to.end = End::cone;
+            return to;
         }
         if (out.x < 1.5) {
             Vec2 edge = arc.at(out.x);
             (out.in_u ? edge.x : edge.y) = out.border;
-            return end_at(edge, way_ + out.x * step.h, End::edge);
+            end_at(edge, way_ + out.x * step.h, End::edge, to);
+            return to;
         }
         if (step.count == 2) {
-            step.to = look(step.end);
+            look(step.end, step.to);
         }
         if (step.to.excess < -4.0 * rounding_ && step.h > 64.0 * least_ * kMin) {
             longest_ = 0.5 * step.h;  // somewhere on the way, then
             continue;
         }
+        longest_ = longest_after(step);
         way_ += step.h;
         at_ = step.to;
         if (way_ >= max_ * (1.0 - 1e-12)) {
-            return end_at(at_.at, way_, End::spent);
+            end = End::spent;
+            break;
         }
         if (at_.excess <= 0.0) {  // by rounding
-            return end_at(at_.at, way_, End::cone);
+            end = End::cone;
+            break;
         }
     }
-    return end_at(at_.at, way_, End::failed);
+    end_at(at_.at, way_, end, to);
+    return to;
 }
 
 }  // namespace palpate::engine

@@ -26,7 +26,7 @@ public:
             foot,    ///< close to a foot that carries nothing
             failed,  ///< the flow has no direction here, or the work limit is reached
         };
-        SurfaceSpot spot{};
+        SurfaceSpot spot;
         double way = 0.0;  ///< m
         End end = End::failed;
     };
@@ -40,16 +40,16 @@ public:
 
 private:
     struct Node {
-        double x = 0.0;
-        double excess = 0.0;
-        double rate = 0.0;  ///< per step
+        double x;
+        double excess;
+        double rate;  ///< per step
     };
     struct Step {
-        double h = 0.0;
-        double error = 0.0;
-        FlowSpot to{};
-        Vec2 end{};
-        double excess = 0.0;  ///< at the end
+        double h;
+        double error;
+        FlowSpot to;
+        Vec2 end;
+        double excess;  ///< at the end
         Node nodes[4];
         int count = 0;
     };
@@ -59,11 +59,13 @@ private:
         double border = 0.0;
         bool in_u = true;
     };
-    [[nodiscard]] FlowSpot look(const Vec2& at) noexcept;
-    [[nodiscard]] Arrival end_at(const Vec2& at, double way, Arrival::End end) noexcept;
+    [[nodiscard]] Arrival walk() noexcept;
+    void look(const Vec2& at, FlowSpot& spot) noexcept;
+    void end_at(const Vec2& at, double way, Arrival::End end, Arrival& to) noexcept;
     [[nodiscard]] bool near_foot() const noexcept;
     [[nodiscard]] double wanted() const noexcept;
     [[nodiscard]] bool take(double h, Step& step) noexcept;
+    [[nodiscard]] double longest_after(const Step& step) const noexcept;
     [[nodiscard]] bool short_step(const FlowSpot& from, double h, Step& step) noexcept;
     [[nodiscard]] bool long_step(const FlowSpot& from, double h, Step& step) noexcept;
     [[nodiscard]] Exit exit_of(const FlowArc& arc, const Step& step) const noexcept;
@@ -76,7 +78,7 @@ private:
     SurfaceGround& ground_;
     Work limit_;
     SurfacePlace place_{};
-    FlowSpot at_{};           ///< so far
+    FlowSpot at_;             ///< so far
     double way_ = 0.0;        ///< m
     double max_ = 0.0;        ///< m
     double longest_ = 1e300;  ///< next step, m

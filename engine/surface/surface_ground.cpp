@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+
+#include "engine/base/processor.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -15,29 +18,29 @@ bool barred(const Footing& f) noexcept {
 
 }  // namespace
 
-SurfaceSpot SurfaceGround::look(SurfacePlace place) noexcept {
+void SurfaceGround::look(const SurfacePlace& place, SurfaceSpot& s) noexcept {
     work_ += surface_.patch(place).work() + kSpotWork;
-    place.u = snapped(place.u);
-    place.v = snapped(place.v);
-    const SurfaceJet jet = surface_.local_jet(place);
-    const Vec3 normal = surface_.normal_at(place, jet);
-    const Vec3 r = h_ - jet.point;
-    const Stretch<3> parts = stretch<3>(r, normal);
-    const double r2 = glm::dot(r, r);
-    const double cone = cone_radius<true>(mu_, parts.load);
-    const double noise = 4.0 * kEpsilon * (glm::length(jet.point) + std::sqrt(r2));
-    return {.place = place,  // every member is named, for else g++ clears them all first
-            .jet = jet,
-            .normal = normal,
-            .r = r,
-            .r2 = r2,
-            .along = parts.tangential,
-            .length = parts.length,
-            .load = parts.load,
-            .cone = cone,
-            .excess = parts.length - cone,
-            .noise = noise,
-            .rounding = 1e-14 * cone + noise};
+    s.place = {.i = place.i,
+               .j = place.j,
+               .u = snapped(place.u),
+               .v = snapped(place.v),
+               .surface = place.surface};
+    ::new (&s.jet) SurfaceJet(surface_.local_jet(s.place));  // where it stays: a copy would wait
+    as_this_processor_can([&] { measure(s); });
+}
+
+void SurfaceGround::measure(SurfaceSpot& s) const noexcept {
+    s.normal = surface_.normal_at(s.place, s.jet);
+    s.r = h_ - s.jet.point;
+    const Stretch<3> parts = stretch<3>(s.r, s.normal);
+    s.r2 = glm::dot(s.r, s.r);
+    s.along = parts.tangential;
+    s.length = parts.length;
+    s.load = parts.load;
+    s.cone = cone_radius<true>(mu_, parts.load);
+    s.excess = parts.length - s.cone;
+    s.noise = 4.0 * kEpsilon * (glm::length(s.jet.point) + std::sqrt(s.r2));
+    s.rounding = 1e-14 * s.cone + s.noise;
 }
 
 double SurfaceGround::turn(const SurfaceSpot& s) const noexcept {
@@ -61,29 +64,32 @@ Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
     return Vec2{e > 0.0 ? a / e : 0.0, g > 0.0 ? b / g : 0.0};
 }
 
-Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
+void SurfaceGround::on_patch(Footing& at) const noexcept {
+    const SurfaceSpot& s = at.spot;
+    at.excess = s.excess;
     if (settled(s)) {
-        return {s, Footing::Way::rests, s.excess};
+        at.way = Footing::Way::rests;
+        return;
     }
     const Vec2 way = parameters(s.jet, s.along);
     const bool out_u = leaves(s.place.u, way.x);
     const bool out_v = leaves(s.place.v, way.y);
     if (!out_u && !out_v) {
-        return {s, Footing::Way::open, s.excess};
+        at.way = Footing::Way::open;
+        return;
     }
     const double still = 1e-9 * surface_.size();  // an edge that stands still leads nowhere
-    const auto drive = [&s, still](const Vec3& edge, double at) {
+    const auto drive = [&s, still](const Vec3& edge, double t) {
         const double length = glm::length(edge);
         const double by = length > still ? glm::dot(s.r, edge) / length : 0.0;
-        return leaves(at, by) ? 0.0 : std::fabs(by);
+        return leaves(t, by) ? 0.0 : std::fabs(by);
     };
     const double by_v = out_u ? drive(s.jet.dv, s.place.v) : 0.0;
     const double by_u = out_v ? drive(s.jet.du, s.place.u) : 0.0;
-    const double excess = std::max(by_u, by_v) - s.cone;
-    if (!(excess > s.rounding)) {
-        return {s, Footing::Way::held, excess};
-    }
-    return {s, by_u > by_v ? Footing::Way::along_u : Footing::Way::along_v, excess};
+    at.excess = std::max(by_u, by_v) - s.cone;
+    at.way = !(at.excess > s.rounding) ? Footing::Way::held
+           : by_u > by_v               ? Footing::Way::along_u
+                                       : Footing::Way::along_v;
 }
 
 /// Which of two patches decides: the one in whose cone the GO is, then the one into which its drive
@@ -100,33 +106,32 @@ int SurfaceGround::rank(const Footing& f) const noexcept {
     return f.way == Footing::Way::rests ? 3 : leads ? 4 : flows ? 2 : 1;
 }
 
-Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
-    Footing best = on_patch(s);
-    const SurfacePlace& p = s.place;
+void SurfaceGround::footing(Footing& best) noexcept {
+    on_patch(best);
+    const SurfacePlace p = best.spot.place;
     const bool rests = best.way == Footing::Way::rests;
     if ((rests && mu_ > 0.0) || !(at_end(p.u) || at_end(p.v))) {
-        return best;
+        return;
     }
-    if (surface_.pole_u(p) || surface_.pole_v(p)) {
-        return rests ? best : at_pole(s);
-    }
-    if (best.way == Footing::Way::open) {
-        return best;
+    const bool pole = surface_.pole_u(p) || surface_.pole_v(p);
+    if (!pole && best.way == Footing::Way::open) {
+        return;
     }
     const SurfaceObject::Around all = surface_.around(p);
-    if (all.pole) {  // of a neighbour: from either side the same is found
-        return rests ? best : at_pole(s);
+    if (pole || all.pole) {  // of a neighbour: from either side the same is found
+        best = rests ? best : at_pole(p);
+        return;
     }
     const bool on_one_edge = at_end(p.u) != at_end(p.v);
     for (std::size_t k = 1; k < all.count; ++k) {
-        const Footing next = on_patch(look(all.places[k]));
+        Footing next{look(all.places[k])};
+        on_patch(next);
         // Both barred: along their edge both are driven alike, and the one that carries more
         // brakes.
         const bool brakes = on_one_edge && barred(next) && barred(best);
         const bool takes = brakes ? next.spot.load > best.spot.load : better(next, best);
         best = takes ? next : best;
     }
-    return best;
 }
 
 Footing SurfaceGround::carrier(const SurfaceSpot& s) noexcept {
@@ -150,12 +155,12 @@ bool SurfaceGround::better(const Footing& next, const Footing& best) const noexc
 
 /// On an edge that is one point: the place on it from which the surface goes on along the stretch,
 /// within 6 degrees, or one of the other patches that meet there.
-Footing SurfaceGround::at_pole(const SurfaceSpot& s) noexcept {
+Footing SurfaceGround::at_pole(const SurfacePlace& place) noexcept {
     double steepest = -1e301;
-    SurfacePlace found = s.place;
+    SurfacePlace found = place;
     bool found_in_u = false;
     constexpr int kPerPatch = 8;
-    const SurfaceObject::Around all = surface_.around(s.place);
+    const SurfaceObject::Around all = surface_.around(place);
     for (std::size_t m = 0; m < all.count; ++m) {
         const SurfacePlace& end = all.places[m];
         const bool in_u = surface_.pole_u(end);
@@ -192,7 +197,8 @@ Footing SurfaceGround::at_pole(const SurfaceSpot& s) noexcept {
     for (std::size_t m = 0; m < all.count; ++m) {
         const SurfacePlace& p = all.places[m];
         const bool on_pole = surface_.pole_u(p) || surface_.pole_v(p);
-        const Footing next = on_patch(look(p));
+        Footing next{look(p)};
+        on_patch(next);
         if (!on_pole || next.way == Footing::Way::held) {
             best = better(next, best) ? next : best;
         }

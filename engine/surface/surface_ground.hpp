@@ -5,20 +5,21 @@
 
 namespace palpate::engine {
 
-/// A place of the god-object on a surface with everything that is measured there.
+/// A place of the god-object on a surface with everything that is measured there. A bare
+/// `SurfaceSpot s;` holds rubbish: to clear one, or to copy it, costs a quarter of an evaluation.
 struct SurfaceSpot {
-    SurfacePlace place{};
-    SurfaceJet jet{};       ///< relative to surface.origin()
-    Vec3 normal{};          ///< unit, outward
-    Vec3 r{};               ///< HIP - GO, m
-    double r2 = 0.0;        ///< |r|^2, m^2
-    Vec3 along{};           ///< tangential part of r, m
-    double length = 0.0;    ///< of it
-    double load = 0.0;      ///< -r . normal, m
-    double cone = 0.0;      ///< mu max(load, 0), m
-    double excess = 0.0;    ///< length - cone, m; > 0: outside of the cone
-    double noise = 0.0;     ///< rounding of a place, m
-    double rounding = 0.0;  ///< the width of the cone's shell that counts as its edge, m
+    SurfacePlace place;
+    SurfaceJet jet;   ///< relative to surface.origin()
+    Vec3 normal;      ///< unit, outward
+    Vec3 r;           ///< HIP - GO, m
+    double r2;        ///< |r|^2, m^2
+    Vec3 along;       ///< tangential part of r, m
+    double length;    ///< of it
+    double load;      ///< -r . normal, m
+    double cone;      ///< mu max(load, 0), m
+    double excess;    ///< length - cone, m; > 0: outside of the cone
+    double noise;     ///< rounding of a place, m
+    double rounding;  ///< the width of the cone's shell that counts as its edge, m
 };
 
 /// What the god-object may do where it is.
@@ -30,7 +31,7 @@ struct Footing {
         along_v,  ///< along an edge u = 0 or 1
         held,     ///< out of the cone, but every way on is barred
     };
-    SurfaceSpot spot{};  ///< on the patch on which it goes on
+    SurfaceSpot spot;  ///< on the patch on which it goes on
     Way way = Way::rests;
     double excess = 0.0;  ///< of the drive in that way, m
 };
@@ -51,7 +52,12 @@ public:
 
     /// The god-object at `place`: point, derivatives, normal, and how HIP pulls it against its
     /// cone. Work adds up.
-    [[nodiscard]] SurfaceSpot look(SurfacePlace place) noexcept;
+    void look(const SurfacePlace& place, SurfaceSpot& s) noexcept;
+    [[nodiscard]] SurfaceSpot look(const SurfacePlace& place) noexcept {
+        SurfaceSpot s;
+        look(place, s);
+        return s;
+    }
     /// Point and derivatives alone; u and v may lie outside of the patch. @param besides work that
     /// it is for
     [[nodiscard]] SurfaceJet jet(const SurfacePlace& place, Work besides) noexcept {
@@ -69,13 +75,13 @@ public:
     /// Parameters of the way `t` in the tangent plane: the 2 x 2 metric.
     [[nodiscard]] static Vec2 parameters(const SurfaceJet& jet, const Vec3& t) noexcept;
 
-    /// Where the GO goes on from `s`. Inside a patch it follows its drive. On an edge all patches
-    /// that meet there are asked, and the drive is the projection of the stretch on what each of
-    /// them has to offer: the patch, or its edge. The steepest one wins.
-    [[nodiscard]] Footing footing(const SurfaceSpot& s) noexcept;
+    /// Where the GO goes on from at.spot. Inside a patch it follows its drive. On an edge all
+    /// patches that meet there are asked, and the drive is the projection of the stretch on what
+    /// each of them has to offer: the patch, or its edge. The steepest one wins.
+    void footing(Footing& at) noexcept;
 
-    /// What the patch of `s` alone has to offer: the projection of the stretch on it.
-    [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
+    /// What the patch of at.spot alone has to offer: the projection of the stretch on it.
+    void on_patch(Footing& at) const noexcept;
     /// Held at the end of a way along an edge, by the patch there that carries most: which of two
     /// sides that way was measured on is a matter of last bits.
     [[nodiscard]] Footing carrier(const SurfaceSpot& s) noexcept;
@@ -88,8 +94,9 @@ public:
     [[nodiscard]] bool to_pole(SurfacePlace& p) const noexcept;
 
 private:
+    void measure(SurfaceSpot& s) const noexcept;
     [[nodiscard]] int rank(const Footing& f) const noexcept;
-    [[nodiscard]] Footing at_pole(const SurfaceSpot& s) noexcept;
+    [[nodiscard]] Footing at_pole(const SurfacePlace& place) noexcept;
     [[nodiscard]] bool better(const Footing& next, const Footing& best) const noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;
 

@@ -30,20 +30,21 @@ public:
         : ground_(surface, h, mu), size_(surface.size()), work_(work), slew_(slew), fan_(fan) {}
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
-        SurfaceSpot s = ground_.look(from);
-        const Vec3 start = s.jet.point;
-        Footing at = fan_.on ? turned(from) : onwards(s);
+        Footing at{ground_.look(from)};
+        const Vec3 start = at.spot.jet.point;
+        if (fan_.on) {
+            at = turned(from);
+        } else {
+            onwards(at);
+        }
         double slid = glm::length(at.spot.jet.point - start);  // along the edge of a fan
-        while (at.way != Way::rests && at.way != Way::held && !tired()) {
+        while (at.way != Way::rests && at.way != Way::held && !done_ && !tired()) {
             if (slew_.spent()) {
                 spent_ = true;
                 break;
             }
             singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet));
             if (at.way == Way::open && ground_.mu() > 0.0 && !lost_ && flows(at, slid)) {
-                if (done_) {
-                    break;
-                }
                 continue;
             }
             const SurfaceSpot next = advance(at);
@@ -51,14 +52,14 @@ public:
             slid += chord;
             slew_.used += chord;
             astray_ += at.way == Way::open && strays_ ? chord : 0.0;
+            at.spot = next;
             if (done_) {
-                at.spot = next;
                 if (at.way != Way::open) {
                     at = ground_.carrier(next);
                 }
                 break;
             }
-            at = onwards(next);
+            onwards(at);
             slid += glm::length(at.spot.jet.point - next.jet.point);
         }
         // Newton's last bits are no slip: a hand at rest finds the contact stuck.
@@ -83,20 +84,19 @@ private:
         slew_.used += to.way;
         last_ = last_excess_ = 0.0;
         trust_ = 1e300;
+        at.spot = to.spot;
         switch (to.end) {
             case End::cone:
-                at = ground_.on_patch(to.spot);
-                done_ = true;
-                return true;
             case End::spent:
-                at = ground_.on_patch(to.spot);
+                ground_.on_patch(at);
+                done_ = to.end == End::cone;
                 return true;
             case End::edge:
-                at = onwards(to.spot);
+                onwards(at);
                 slid += glm::length(at.spot.jet.point - to.spot.jet.point);
                 return glm::length(to.spot.jet.point - from) > 4.0 * to.spot.noise;
             default:
-                at = ground_.on_patch(to.spot);
+                ground_.on_patch(at);
                 return tired() || at.way != Way::open;
         }
     }
@@ -111,22 +111,28 @@ private:
     }
 
     /// Where the god-object goes on; over a convex edge, with a vertex slew, through its fan.
-    Footing onwards(const SurfaceSpot& s) noexcept {
-        const Footing at = ground_.footing(s);
+    void onwards(Footing& at) noexcept {
+        if (!slew_.limited()) {
+            ground_.footing(at);
+            return;
+        }
+        const SurfaceSpot s = at.spot;
+        ground_.footing(at);
         const SurfacePlace& to = at.spot.place;
         const bool stays = to.surface == s.place.surface && to.i == s.place.i && to.j == s.place.j;
-        if (!slew_.limited() || stays || at.way == Way::held || !falls_away(s, at.spot)) {
-            return at;
+        if (!stays && at.way != Way::held && falls_away(s, at.spot)) {
+            fan_ = {.on = true, .beyond = to, .angle = 0.0};
+            at = turned(s.place);
         }
-        fan_ = {.on = true, .beyond = to, .angle = 0.0};
-        return turned(s.place);
     }
 
     Footing turned(const SurfacePlace& place) noexcept {
         const FanTurn turn = turn_in_fan(ground_, place, fan_, slew_);
         spent_ = turn.end == FanTurn::End::spent;
         if (turn.end == FanTurn::End::back || turn.end == FanTurn::End::beyond) {
-            return ground_.on_patch(turn.spot);
+            Footing at{turn.spot};
+            ground_.on_patch(at);
+            return at;
         }
         const bool rests = turn.end == FanTurn::End::rests;
         return {turn.spot, rests ? Way::rests : Way::held, turn.spot.excess};
