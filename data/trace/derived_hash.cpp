@@ -1,8 +1,6 @@
 #include "data/trace/derived_hash.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cstring>
 #include <new>
 
 #if defined(__x86_64__)  // for the processors that have AVX2 as well: see update()
@@ -21,40 +19,7 @@ using engine::TickRecord;
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-constexpr std::size_t kBytes = sizeof(TickRecord);
-static_assert(kBytes == 208);
-constexpr std::size_t kHashedTicks = 32;  ///< at once: 7 kB of the first cache
-
-/// Bytes of a tick from one of its fields on: neighbours that are hashed as they lie.
-template <std::size_t Size>
-struct Bytes {
-    std::array<std::byte, Size> bytes;
-};
-template <std::size_t Size>
-Bytes<Size> from(const TickRecord& tick, std::size_t offset) noexcept {
-    Bytes<Size> some;
-    std::memcpy(&some, reinterpret_cast<const std::byte*>(&tick) + offset, Size);
-    return some;
-}
-
-/// The fields one after the other, which are all of a tick.
-template <class... Fields>
-void join(std::byte* out, const Fields&... fields) noexcept {
-    static_assert((sizeof(Fields) + ...) == kBytes);
-    ((std::memcpy(out, &fields, sizeof fields), out += sizeof fields), ...);
-}
-
-/// Vectors lie with their z, and x and y are hashed first.
-void declared(const TickRecord& t, std::byte* out) noexcept {
-    constexpr auto kTwo = 2 * sizeof(std::int32_t);
-    join(out, from<16>(t, offsetof(TickRecord, tick)), from<16>(t, offsetof(TickRecord, hip)),
-         from<16>(t, offsetof(TickRecord, cp)), from<16>(t, offsetof(TickRecord, go)),
-         from<16>(t, offsetof(TickRecord, force)), from<16>(t, offsetof(TickRecord, command)),
-         from<32>(t, offsetof(TickRecord, normal_force)),
-         from<kTwo>(t, offsetof(TickRecord, counts)), from<kTwo>(t, offsetof(TickRecord, codes)),
-         from<8>(t, offsetof(TickRecord, lateness_us)), t.hip.z, t.cp.z, t.go.z, t.force.z,
-         t.command.z, t.v, t.counts[2], t.codes[2]);
-}
+static_assert(sizeof(TickRecord) == 208, "a tick has no gaps");
 
 void update(XXH3_state_t* state, std::span<const std::byte> bytes) noexcept {
     XXH3_64bits_update(state, bytes.data(), bytes.size());
@@ -89,16 +54,7 @@ DerivedHash::DerivedHash() noexcept {
 
 void DerivedHash::add(std::span<const TickRecord> ticks) noexcept {
     auto* const state = std::launder(reinterpret_cast<XXH3_state_t*>(state_.data()));
-    std::array<std::byte, kHashedTicks * kBytes> some;
-    while (!ticks.empty()) {
-        const auto part = ticks.first(std::min(ticks.size(), kHashedTicks));
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            declared(part[i], &some[i * kBytes]);
-        }
-        const auto bytes = std::span<const std::byte>(some).first(part.size() * kBytes);
-        has_avx2() ? update_by_avx2(state, bytes) : update(state, bytes);
-        ticks = ticks.subspan(part.size());
-    }
+    has_avx2() ? update_by_avx2(state, std::as_bytes(ticks)) : update(state, std::as_bytes(ticks));
 }
 
 std::uint64_t DerivedHash::value() const noexcept {

@@ -9,12 +9,12 @@
 
 namespace palpate::data {
 
-/// XXH3 (64 bits, seed 0, xxHash 0.8) over the ticks as the servo recorded them, 208 bytes a tick,
-/// little endian, without gaps:
+/// XXH3 (64 bits, seed 0, xxHash 0.8) over the ticks as the servo recorded them, 208 bytes a tick as
+/// TickRecord lies in memory, little endian, without gaps:
 ///
-///     tick, time_ns (i64); hip, cp, go, force, command (x, y), normal_force, tangential_force, mu,
-///     u (f64); counts (2), codes (2) (i32); lateness_us (f32); segment (i16); mode, flags (u8);
-///     hip, cp, go, force, command (z), v (f64); count_3, code_3 (i32)
+///     tick, time_ns (i64); hip, cp, go, force, command (x, y, z), normal_force, tangential_force,
+///     mu, u, v (f64); counts (3), codes (3) (i32); lateness_us (f32); segment (i16); mode, flags
+///     (u8)
 ///
 /// A chunk holds only some of that. A reading that gives another hash is not what the servo had.
 [[nodiscard]] std::uint64_t derived_hash(std::span<const engine::TickRecord> ticks) noexcept;

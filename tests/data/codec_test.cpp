@@ -52,6 +52,36 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
     }
 }
 
+TEST_CASE("the hash of ticks is XXH3 of their fields in the order that its header gives",
+          "[trace][law]") {
+    std::vector<engine::TickRecord> ticks;
+    for (const int k : {0, 100}) {  // struct.pack("<qq20d6ifhBB", k + 1, ..., k + 30, 2, k + 31)
+        engine::TickRecord& tick = ticks.emplace_back();
+        const auto three = [k](int first) {
+            return engine::Vec3(k + first, k + first + 1, k + first + 2);
+        };
+        tick.tick = k + 1;
+        tick.time_ns = k + 2;
+        tick.hip = three(3);
+        tick.cp = three(6);
+        tick.go = three(9);
+        tick.force = three(12);
+        tick.command = three(15);
+        tick.normal_force = k + 18;
+        tick.tangential_force = k + 19;
+        tick.mu = k + 20;
+        tick.u = k + 21;
+        tick.v = k + 22;
+        tick.counts = {k + 23, k + 24, k + 25};
+        tick.codes = {k + 26, k + 27, k + 28};
+        tick.lateness_us = static_cast<float>(k + 29);
+        tick.segment = static_cast<std::int16_t>(k + 30);
+        tick.mode = engine::Mode::slip;
+        tick.flags = static_cast<std::uint8_t>(k + 31);
+    }
+    CHECK(data::derived_hash(ticks) == 0xb38d3e3581f2db75);
+}
+
 TEST_CASE("packed numbers come back in blocks, in the bits that the largest of each needs",
           "[trace][law]") {
     SEEDED(random, std::uint64_t{200});
