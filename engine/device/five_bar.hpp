@@ -103,8 +103,11 @@ struct FiveBar {
         const double d2 = glm::dot(between, between);
         const double along = (free_1 * free_1 - free_2 * free_2 + d2) / (2.0 * d2);  // share of D
         const double h2 = free_1 * free_1 - along * along * d2;
-        const double up = h2 > 0.0 ? std::sqrt(h2 / d2) : std::numeric_limits<double>::quiet_NaN();
-        return elbow_1 + along * between + (mode.handle_left ? up : -up) * perp(between);
+        // Both choices without a branch, so that compilers make vectors of many.
+        const double side = mode.handle_left ? 1.0 : -1.0;
+        const double up =
+            std::sqrt((h2 > 0.0 ? h2 : std::numeric_limits<double>::quiet_NaN()) / d2);
+        return elbow_1 + along * between + side * up * perp(between);
     }
 
     /// Angles, in (-2 pi, 2 pi), that bring the handle to `handle` in the working mode; none
