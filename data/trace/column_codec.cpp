@@ -30,30 +30,6 @@ constexpr Word unfold(Word folded) noexcept {
     return (folded >> 1U) ^ (Word{0} - (folded & 1U));
 }
 
-/// What a rule foretells of the next value: what is taken from it. All in two's complement of a
-/// Word.
-template <class Word>
-class Predictor {
-public:
-    Predictor(Rule rule, std::int64_t first_tick) noexcept
-        : line_(rule == Rule::line ? ~Word{0} : Word{0}),
-          more_(rule == Rule::after ? Word{1} : Word{0}),
-          before_(rule == Rule::after ? static_cast<Word>(first_tick) - 1 : Word{0}),
-          step_(more_) {}
-
-    [[nodiscard]] Word next() const noexcept { return before_ + step_; }
-    void see(Word value) noexcept {
-        step_ = ((value - before_) & line_) + more_;
-        before_ = value;
-    }
-
-private:
-    Word line_;
-    Word more_;
-    Word before_;
-    Word step_;
-};
-
 /// The lowest `size` bytes at `at`, as a number.
 std::uint64_t bits_at(const std::byte* at, std::size_t size) noexcept {
     std::uint64_t bits = 0;
@@ -154,12 +130,19 @@ bool read_words(Rule rule,
         return each_number<Word>(stream, values,
                                  [](Word number) { return static_cast<Signed>(number); });
     }
-    return each_number<Word>(stream, values,
-                             [predicted = Predictor<Word>(rule, first_tick)](Word number) mutable {
-                                 const Word value = predicted.next() + unfold(number);
-                                 predicted.see(value);
-                                 return static_cast<Signed>(value);
-                             });
+    // In two's complement of a Word.
+    if (rule == Rule::line) {
+        return each_number<Word>(stream, values,
+                                 [before = Word{0}, step = Word{0}](Word number) mutable {
+                                     step += unfold(number);
+                                     return static_cast<Signed>(before += step);
+                                 });
+    }
+    const Word more = rule == Rule::after ? Word{1} : Word{0};
+    const Word first = rule == Rule::after ? static_cast<Word>(first_tick) - 1 : Word{0};
+    return each_number<Word>(stream, values, [more, before = first](Word number) mutable {
+        return static_cast<Signed>(before += unfold(number) + more);
+    });
 }
 
 template <std::size_t Size>
@@ -211,7 +194,7 @@ void pack_blocks(ColumnId which,
     }
 }
 
-/// What a Predictor leaves of values, block after block, for vector instructions:
+/// What a rule leaves of values, block after block, for vector instructions:
 ///
 ///     number = value - a (the one before) + b (the one before that) - c
 template <class Word>
