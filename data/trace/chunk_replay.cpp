@@ -23,6 +23,8 @@ constexpr std::size_t kAhead = 4;
 
 /// What a contact overwrites: kept apart until it is known. The rest lies in the ticks at once.
 constexpr unsigned kApart = part_hip | part_contact;
+/// Columns that are 0 in the plane.
+constexpr std::array kThird{ColumnId::count_3, ColumnId::code_3, ColumnId::hip_z};
 
 void exclusive_or(double& value, double with) noexcept {
     std::uint64_t a = 0;
@@ -88,21 +90,16 @@ void ChunkReplay::Unpacker::steps(const ChunkReader& reader,
     }
 }
 
-void ChunkReplay::Unpacker::third(const ChunkReader& reader, std::span<TickRecord> ticks) {
-    if (reader.all_zero(ColumnId::count_3) && reader.all_zero(ColumnId::code_3) &&
-        reader.all_zero(ColumnId::hip_z)) {
-        return;
-    }
-    const auto each = [&](ColumnId column, const auto& set) {
-        const auto values = read(reader, column);
-        for (std::size_t i = 0; i < ticks.size(); ++i) {
-            set(ticks[i], values[i]);
+/// Of sessions in space; else empty.
+void ChunkReplay::Unpacker::read_third(const ChunkReader& reader, std::size_t size) {
+    const bool none =
+        std::ranges::all_of(kThird, [&reader](ColumnId column) { return reader.all_zero(column); });
+    for (std::size_t i = 0; i < kThird.size(); ++i) {
+        third_[i].resize(none ? 0 : size);
+        if (!none) {
+            reader.read(kThird[i], third_[i]);
         }
-    };
-    each(ColumnId::count_3, [](TickRecord& tick, std::int32_t count) { tick.counts[2] = count; });
-    each(ColumnId::code_3, [](TickRecord& tick, std::int32_t code) { tick.codes[2] = code; });
-    each(ColumnId::hip_z,
-         [](TickRecord& tick, std::int32_t steps) { tick.hip.z = steps_in_metres(steps); });
+    }
 }
 
 /// The columns of whole numbers.
@@ -141,35 +138,39 @@ void ChunkReplay::Unpacker::unpack(Chunk& chunk,
     const ChunkReader& reader = chunk.columns.emplace(view);
     const std::size_t size = chunk.ticks.size();
     read_small(reader, size);
-    const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
+    read_third(reader, size);
     counts_.resize(size);
     for (std::size_t i = 0; i < size; ++i) {
-        counts_[i] = {count_1[i], count_2[i]};
+        counts_[i] = {small_[0][i], small_[1][i]};
     }
     chunk.has_gaps = read_hips(reader, machine, in_space);
-    as_this_processor_can([&] {
-        for (std::size_t i = 0; i < size; ++i) {
-            // Field by field: g++ clears a whole record by a slow string instruction.
-            TickRecord& tick = *::new (&chunk.ticks[i]) TickRecord;
-            tick.tick = numbers_[i];
-            tick.time_ns = times_[i];
-            tick.hip = engine::Vec3(hips_[i], 0.0);
-            tick.counts = counts_[i];
-            tick.codes = {code_1[i], code_2[i]};
-            tick.lateness_us = lateness_us(late[i]);
-            tick.flags = static_cast<std::uint8_t>(flags[i]);
-        }
-    });
-    third(reader, chunk.ticks);
-    const bool apart = (view.parts & kApart) != 0;
-    if (apart) {
-        chunk.exact.assign(chunk.ticks.begin(), chunk.ticks.end());
-    }
-    for (const ExactColumn& column : reader.exact()) {
-        column.into(apart ? chunk.exact : chunk.ticks);
-    }
+    exact_ = reader.exact();
+    chunk.exact.resize((view.parts & kApart) != 0 ? size : 0);
     if ((view.parts & part_contact) != 0) {
         require_modes(reader);
+    }
+}
+
+/// What was unpacked of some ticks, from `first` on in the chunk.
+void ChunkReplay::Unpacker::fill(std::span<TickRecord> ticks, std::size_t first) const noexcept {
+    const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
+    as_this_processor_can([&] {
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            // Field by field: g++ clears a whole record by a slow string instruction.
+            TickRecord& tick = *::new (&ticks[i]) TickRecord;
+            tick.tick = numbers_[first + i];
+            tick.time_ns = times_[first + i];
+            tick.hip = engine::Vec3(hips_[first + i], 0.0);
+            tick.counts = counts_[first + i];
+            tick.codes = {code_1[first + i], code_2[first + i]};
+            tick.lateness_us = lateness_us(late[first + i]);
+            tick.flags = static_cast<std::uint8_t>(flags[first + i]);
+        }
+    });
+    for (std::size_t i = 0; !third_[0].empty() && i < ticks.size(); ++i) {
+        ticks[i].counts[2] = third_[0][first + i];
+        ticks[i].codes[2] = third_[1][first + i];
+        ticks[i].hip.z = steps_in_metres(third_[2][first + i]);
     }
 }
 
@@ -194,7 +195,7 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
         chunks_.back().ticks = rest.first(size);
         rest = rest.subspan(size);
     }
-    spare_.reserve(2);
+    spare_.reserve(kAhead);
     if (helped && chunks.size() > 1 && usable_processors() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
@@ -258,32 +259,29 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         is_following_ = true;
         Chunk& chunk = chunks_[following_];
         unlocked([&] { follow(chunk); });
+        spare_.push_back(std::move(chunk.numbers));  // there is room
         is_following_ = false;
         ++following_;
     } else if (finishing_ < following_) {
         Chunk& chunk = chunks_[finishing_++];
         unlocked([&] { finish(chunk); });
         chunk.finished = true;
-    } else if (unpacking_ < std::min(chunks_.size(), wanted_ + kAhead)) {
+    } else if (unpacking_ < std::min({chunks_.size(), wanted_ + kAhead, following_ + kAhead})) {
         Chunk& chunk = chunks_[unpacking_++];
-        std::unique_ptr<Unpacker> unpacking;
         if (!spare_.empty()) {
-            unpacking = std::move(spare_.back());
+            chunk.numbers = std::move(spare_.back());
             spare_.pop_back();
         }
         unlocked([&] {
             try {
-                if (!unpacking) {
-                    unpacking = std::make_unique<Unpacker>();
+                if (!chunk.numbers) {
+                    chunk.numbers = std::make_unique<Unpacker>();
                 }
-                unpacking->unpack(chunk, machine_, in_space_);
+                chunk.numbers->unpack(chunk, machine_, in_space_);
             } catch (...) {
                 chunk.damage = std::current_exception();
             }
         });
-        if (unpacking) {
-            spare_.push_back(std::move(unpacking));  // there is room: two work at most
-        }
         chunk.unpacked = true;
     } else {
         return false;
@@ -292,17 +290,28 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     return true;
 }
 
-/// The contacts of an unpacked chunk's ticks, after those of the chunk before: all that cannot be
-/// done side by side.
+/// An unpacked chunk's ticks with their contacts, after those of the chunk before: all that cannot be
+/// done side by side. A few ticks at a time: their memory comes while contacts wait for themselves.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
-    for (TickRecord& tick : chunk.has_gaps ? chunk.ticks : chunk.ticks.last(1)) {
-        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : engine::Vec2(tick.hip);
-        tick.hip = engine::Vec3(last_hip_, tick.hip.z);
+    constexpr std::size_t kAtOnce = 8;
+    const std::size_t at_once = chunk.view.parts == 0 ? kAtOnce : chunk.ticks.size();
+    for (std::size_t first = 0; first < chunk.ticks.size(); first += at_once) {
+        const auto ticks =
+            chunk.ticks.subspan(first, std::min(at_once, chunk.ticks.size() - first));
+        chunk.numbers->fill(ticks, first);
+        std::copy_n(ticks.begin(), chunk.exact.size(), chunk.exact.begin());
+        for (const ExactColumn& column : chunk.numbers->exact()) {
+            column.into(chunk.exact.empty() ? ticks : chunk.exact);
+        }
+        for (TickRecord& tick : chunk.has_gaps ? ticks : ticks.last(1)) {
+            last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : engine::Vec2(tick.hip);
+            tick.hip = engine::Vec3(last_hip_, tick.hip.z);
+        }
+        for (std::size_t i = 0; (chunk.view.parts & part_hip) != 0 && i < ticks.size(); ++i) {
+            ticks[i].hip = chunk.exact[i].hip;
+        }
+        contacts_.contacts(ticks);
     }
-    for (std::size_t i = 0; (chunk.view.parts & part_hip) != 0 && i < chunk.ticks.size(); ++i) {
-        chunk.ticks[i].hip = chunk.exact[i].hip;
-    }
-    contacts_.contacts(chunk.ticks);
 }
 
 /// What follows from a tick's contact or is held in full, and the hash: some ticks at a time, while

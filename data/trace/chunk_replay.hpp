@@ -25,7 +25,7 @@ namespace palpate::data {
 /// ahead.
 ///
 ///     bytes to whole numbers to HIP    each chunk by itself
-///     HIP to contact                   from tick to tick, so one chunk after the other
+///     ticks of these, HIP to contact   from tick to tick, so one chunk after the other
 ///     command, and hash of the ticks   each chunk by itself
 ///
 /// What is to be done of these first is done by whichever of the two is free, so that both cores
@@ -68,9 +68,11 @@ public:
     }
 
 private:
+    class Unpacker;
     struct Chunk {
         ChunkView view{};
         std::optional<ChunkReader> columns{};   ///< once it is unpacked
+        std::unique_ptr<Unpacker> numbers{};    ///< while it is unpacked and has no contacts
         std::span<engine::TickRecord> ticks{};  ///< its part of ticks_
         std::vector<engine::TickRecord>
             exact{};            ///< that hold what a contact would overwrite, if any is held
@@ -86,6 +88,8 @@ private:
         /// What the bytes tell without the scene. HIP is NaN where the linkage has no pose. @throws
         /// TraceError
         void unpack(Chunk& chunk, const std::optional<engine::ManyHips>& machine, bool in_space);
+        void fill(std::span<engine::TickRecord> ticks, std::size_t first) const noexcept;
+        [[nodiscard]] const std::vector<ExactColumn>& exact() const noexcept { return exact_; }
 
     private:
         [[nodiscard]] std::span<const std::int32_t> read(const ChunkReader& reader,
@@ -95,14 +99,16 @@ private:
                        const std::optional<engine::ManyHips>& machine,
                        bool in_space);
         void steps(const ChunkReader& reader, ColumnId column, double engine::Vec2::*axis);
-        void third(const ChunkReader& reader, std::span<engine::TickRecord> ticks);
+        void read_third(const ChunkReader& reader, std::size_t size);
 
         std::vector<std::int64_t> numbers_;
         std::vector<std::int64_t> times_;
         std::array<std::vector<std::int32_t>, 6> small_;  ///< from count_1 to flags
         std::vector<engine::Pantograph::Counts> counts_;
         std::vector<engine::Vec2> hips_;
+        std::array<std::vector<std::int32_t>, 3> third_;
         std::vector<std::int32_t> column_;
+        std::vector<ExactColumn> exact_;
     };
     using Lock = std::unique_lock<std::mutex>;
 
