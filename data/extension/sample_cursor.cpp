@@ -257,7 +257,6 @@ void SampleCursor::next_part() {
         blocks_ = store_->blocks(part_, scan_.columns, scan_.range);
         has_last_ = false;
         block_ = {};
-        at_ = 0;
         next_block();
     }
 }
@@ -268,17 +267,14 @@ void SampleCursor::next_block() {
         has_last_ = true;
     }
     block_ = blocks_->next();
-    at_ = 0;
     tick_ = block_.empty() ? nullptr : block_.data();
+    end_ = tick_ + block_.size();
 }
 
-void SampleCursor::next() {
+void SampleCursor::leave_block() {
+    tick_ = nullptr;
     if (merged_) {
         next_merged();
-        return;
-    }
-    if (++at_ < block_.size()) {
-        tick_ = &block_[at_];
         return;
     }
     next_block();
@@ -303,14 +299,14 @@ void SampleCursor::merge_trial() {
         return scan_.by_time ? all.rows[a].time_ns < all.rows[b].time_ns
                              : all.rows[a].tick < all.rows[b].tick;
     });
-    at_ = std::numeric_limits<std::size_t>::max();  // before the first
     next_merged();
 }
 
 void SampleCursor::next_merged() {
-    if (++at_ < merged_->order.size()) {
-        const std::size_t row = merged_->order[at_];
+    if (merged_->next < merged_->order.size()) {
+        const std::size_t row = merged_->order[merged_->next++];
         tick_ = &merged_->rows[row];
+        end_ = tick_ + 1;
         part_ = merged_->of[row];
         has_last_ = row > 0 && merged_->of[row - 1] == part_;
         last_ = has_last_ ? merged_->rows[row - 1] : TickRecord{};
@@ -322,12 +318,12 @@ void SampleCursor::next_merged() {
 }
 
 engine::Vec3 SampleCursor::velocity() const noexcept {
-    const bool inside = !merged_ && at_ > 0;
+    const bool inside = !merged_ && tick_ != block_.data();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (!inside && !has_last_) {
         return {kNone, kNone, kNone};
     }
-    const TickRecord& before = inside ? block_[at_ - 1] : last_;
+    const TickRecord& before = inside ? tick_[-1] : last_;
     const double time = static_cast<double>(tick_->time_ns - before.time_ns) * 1e-9;
     if (!(time > 0.0)) {
         return {kNone, kNone, kNone};

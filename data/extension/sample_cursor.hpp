@@ -70,7 +70,11 @@ public:
 
     /// To the first row. @throws SampleError, also in next()
     void start(const SampleScan& scan);
-    void next();
+    void next() {
+        if (++tick_ == end_) {
+            leave_block();
+        }
+    }
     [[nodiscard]] bool at_end() const noexcept { return tick_ == nullptr; }
 
     /// Where it stands: the interval and its tick. @pre not at_end()
@@ -84,6 +88,7 @@ public:
 private:
     void next_part();
     void next_block();
+    void leave_block();
     void merge_trial();
     void next_merged();
 
@@ -94,15 +99,16 @@ private:
     TrialPart part_{};
     std::unique_ptr<TickBlocks> blocks_;
     std::span<const engine::TickRecord> block_;
-    std::size_t at_ = 0;  ///< in the block
     const engine::TickRecord* tick_ = nullptr;
-    engine::TickRecord last_{};  ///< of the block before
+    const engine::TickRecord* end_ = nullptr;  ///< of those that lie behind the tick
+    engine::TickRecord last_{};                ///< of the block before
     bool has_last_ = false;
     /// A trial with several intervals in one order: rows by part, and the order they are given in.
     struct MergedRows {
         std::vector<engine::TickRecord> rows;
         std::vector<TrialPart> of;
         std::vector<std::size_t> order;
+        std::size_t next = 0;  ///< in that order
     };
     std::optional<MergedRows> merged_;
 };

@@ -312,7 +312,8 @@ void give(sqlite3_context* context, std::string_view text) {  // of a name that 
     sqlite3_result_text(context, text.data(), static_cast<int>(text.size()), SQLITE_STATIC);
 }
 
-void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
+/// Apart from column(), which is asked for every value.
+[[gnu::noinline]] void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
     switch (column) {
         case SampleColumn::trial_id:
             return give(context, at.part().trial);
