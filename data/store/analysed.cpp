@@ -1,6 +1,5 @@
 #include "data/store/analysed.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -11,11 +10,12 @@
 namespace palpate::data {
 namespace {
 
-/// A row a version with people of a kind; `several`: so has another one of the same protocol.
+/// A row a version with people of a kind; `several`: so has another one of the same protocol. Of
+/// all that is in the file: who is left out later gives no version another name.
 constexpr std::string_view kVersions = R"sql(
 SELECT study_id, study_name, protocol_sha256, session_kind, count(DISTINCT participant_id) AS people,
        count(*) OVER (PARTITION BY study_name, session_kind) > 1 AS several
-FROM session JOIN main.study USING (study_id)
+FROM main.session JOIN main.study USING (study_id)
 WHERE EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id)
 GROUP BY study_id, session_kind)sql";
 
@@ -39,6 +39,24 @@ void name_versions(Database& database) {
             .c_str());
 }
 
+void check_study(Database& database, const std::string& study) {
+    std::set<std::string> all;
+    std::set<std::string> versions;
+    for (const std::string& name : texts(database.prepare("SELECT study_name FROM study"))) {
+        all.insert(name);
+        if (name.starts_with(study + '@')) {
+            versions.insert(name);
+        }
+    }
+    if (!all.contains(study)) {
+        throw std::invalid_argument(
+            versions.empty()
+                ? fmt::format("{} has no study {}: it has {}", database.file(), plain(study),
+                              all.empty() ? "none" : plain(fmt::format("{}", fmt::join(all, ", "))))
+                : several_studies(database, versions));
+    }
+}
+
 }  // namespace
 
 void analyse(Database& database, Versions versions, const std::string& study) {
@@ -50,23 +68,16 @@ void analyse(Database& database, Versions versions, const std::string& study) {
                         kHidden)
                 .c_str());
     }
-    if (versions == Versions::together ||
-        !any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions))) {
-        if (hidden) {
-            make_own_views(database.connection());  // those of the file would not see it
-        }
-        return;
+    const bool apart = versions == Versions::apart &&
+                       any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions));
+    if (apart) {
+        name_versions(database);
     }
-    name_versions(database);
-    make_own_views(database.connection());
-    std::set<std::string> names;
-    for (const StudyVersion& one : versions_of(database)) {
-        names.insert(one.study);
+    if (apart || hidden) {
+        make_own_views(database.connection());  // those of the file would not see it
     }
-    if (std::ranges::any_of(names, [&](const std::string& name) {
-            return name.starts_with(study + '@') && !study.empty();
-        })) {
-        throw std::invalid_argument(several_studies(database, names));
+    if (!study.empty()) {
+        check_study(database, study);
     }
 }
 

@@ -15,7 +15,7 @@ struct StudyVersion {
     std::string study;  ///< as analyses call it: "shapes", or "shapes@1a2b3c4d" beside others
     std::string protocol_sha256;
     std::string kind;
-    std::int64_t people = 0;  ///< with a trial
+    std::int64_t people = 0;  ///< in the file with a trial, left out or not
 
     friend bool operator==(const StudyVersion&, const StudyVersion&) = default;
 };
@@ -28,8 +28,8 @@ enum class Versions { apart, together };
 /// not consent are not there: data/analysis/left_out.hpp says who. Nothing in the file changes.
 /// @pre nothing was prepared that is still used
 /// @param study  as given; empty: not
-/// @throws std::invalid_argument if that is a protocol of several versions, kept apart: which there
-/// are
+/// @throws std::invalid_argument if the file has none of that name, or several versions of it, kept
+/// apart: which there are
 void analyse(Database& database, Versions versions, const std::string& study = {});
 
 /// For who asks many times of the view analysis_trial and of events, after analyse(): from here on

@@ -103,8 +103,8 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     const Finished real = ran({"audit", file}, 2);
     CHECK_THAT(real.error, Has("nothing in answered trials of real sessions:",
                                "--kind chooses other sessions"));
-    CHECK_THAT(ran({"audit", file, "--study", "s9"}, 2).error,
-               Has("nothing in answered trials of real sessions of the study s9: "));
+    CHECK_THAT(ran({"audit", file, "--study", "four_trials"}, 2).error,
+               Has("nothing in answered trials of real sessions of the study four_trials: "));
 }
 
 TEST_CASE("no number is made of the answers of who does not consent", "[audit][stats][report]") {

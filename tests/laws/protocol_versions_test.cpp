@@ -106,6 +106,8 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
         names_both(which.error);
         CHECK_THAT(which.error, Has("give --study and one of"));
         CHECK(with({"--study", "four_trials"}).code == 2);
+        check_end(with({"--study", "nope"}), 2,
+                  Has("has no study nope: it has " + other + ", " + one));
         const auto apart = with({"--study", other});
         CAPTURE(apart.error);
         CHECK(apart.code == 0);
@@ -135,4 +137,16 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK(one == sql_first(file,
                            "SELECT study_name || '@' || substr(protocol_sha256, 1, 8) FROM session "
                            "JOIN study USING (study_id) WHERE withdrawn_reason = 'ill'"));
+
+    // Who refuses later gives no version another name, and moves nobody into another one.
+    for (const char* who : {"R1", "R3", "R4"}) {
+        ran({"participant", file, who, "--consent", "no"});
+    }
+    CHECK_THAT(ran({"summary", file}).out,
+               Has("Study " + one + ", simulated",
+                   "people: 2 in the file; left out: 1 does not consent; analysed: 1",
+                   "not in these numbers: " + other + ", simulated sessions: 3 people",
+                   "3 people (simulated)"));
+    check_end(palpate_command({"stats", file, "--kind", "simulated", "--study", other}), 2,
+              Has("people: 3 in the file; left out: 3 do not consent; analysed: 0"));
 }

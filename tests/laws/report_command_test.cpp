@@ -253,7 +253,8 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     };
     const std::string page = folder.file("r.html");
     refused({file, "-o", page}, 2, "has no real session: --kind chooses others");
-    refused({file, "-o", page, "--kind", "simulated", "--study", "none"}, 2, "of the study none");
+    refused({file, "-o", page, "--kind", "simulated", "--study", "none"}, 2,
+            "has no study none: it has four_trials");
     refused({file, "-o", page, "--kind", "all"}, 2, "--kind");
     refused({file, "--kind", "simulated"}, 2, "--output");
     refused({folder.file("none.sqlite"), "-o", page}, 2, "none.sqlite");
