@@ -118,7 +118,9 @@ void add_maps(PageWriter& page, const Study& study, const std::vector<std::strin
     PageFigure figure{
         .id = "maps", .title = "Where on the object", .width = 400.0, .data = study.ask(map_sql())};
     if (figure.data.cells.empty()) {
-        page.paragraph("No ticks are kept of these trials: there is no map of the object.");
+        const bool kept = !study.ask(of_felt("kept")).cells.empty();
+        page.paragraph(kept ? "Nobody touched the object in the trials that a map would show."
+                            : "No ticks are kept of these trials: there is no map of the object.");
         return;
     }
     const auto felt = figure.data.levels("felt");

@@ -3,6 +3,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/page/sections.hpp"
+#include "data/store/stored_progress.hpp"
 
 namespace palpate::data {
 namespace {
@@ -83,6 +84,24 @@ std::string design_text(const protocols::Protocol& protocol) {
                                : std::string());
 }
 
+/// Through what objects were explored, and what became of the force.
+std::string device_text(const Study& study) {
+    bool handle = false;
+    bool pointer = false;
+    for (const std::string& device :
+         study.ask("SELECT DISTINCT device FROM main").levels("device")) {
+        (TrialDevice{device, {}}.gives_force() ? handle : pointer) = true;
+    }
+    constexpr const char* kPointer = "with the pointer of a mouse, which gives no force";
+    if (pointer && !handle) {
+        return fmt::format("{}; the contact force was computed", kPointer);
+    }
+    return fmt::format(
+        "through a handle with {} degrees of freedom{}{}; the contact force was rendered",
+        study.protocol.surface ? "three" : "two", pointer ? ", and in some trials " : "",
+        pointer ? kPointer : "");
+}
+
 /// How people were tested, with what was drawn by chance.
 void add_tests(PageWriter& page, const StatsOptions& options) {
     page.paragraph(fmt::format(
@@ -136,13 +155,12 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
         frictions.push_back(friction_text(one));
     }
     page.paragraph(fmt::format(
-        "{} explored objects that they could not see through a handle with {} degrees of freedom; "
-        "the contact force was rendered at {:g} kHz on the exact {} with a stiffness of {:g} N/m "
-        "and limited to {:g} N. Objects were {}; friction was {}. {} {}",
-        study.options.kind == "simulated" ? "Simulated hands" : "Participants",
-        protocol.surface ? "three" : "two", apparatus.rate_hz / 1000.0,
-        protocol.surface ? "surfaces" : "curves", apparatus.stiffness, apparatus.force_limit,
-        objects_text(protocol), list_of(frictions), task_text(protocol), design_text(protocol)));
+        "{} explored unseen objects {} at {:g} kHz on the exact {} with a "
+        "stiffness of {:g} N/m and limited to {:g} N. Objects were {}; friction was {}. {} {}",
+        study.options.kind == "simulated" ? "Simulated hands" : "Participants", device_text(study),
+        apparatus.rate_hz / 1000.0, protocol.surface ? "surfaces" : "curves", apparatus.stiffness,
+        apparatus.force_limit, objects_text(protocol), list_of(frictions), task_text(protocol),
+        design_text(protocol)));
     page.paragraph(
         fmt::format("Attempts in which the force went off, or which fell short of the protocol's "
                     "rules for a trial, were run again later in the session. People were left out "

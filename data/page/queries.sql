@@ -32,6 +32,9 @@ WITH felt AS (
     FROM exploration JOIN person USING (participant_code)
     WHERE study_name = {study} AND session_kind = {kind} AND phase = 'main' AND counts)
 
+-- name: kept
+SELECT 1 FROM felt JOIN trace_chunk USING (trial_id) LIMIT 1
+
 -- name: by_person
 SELECT person, left_out, friction, count(*) AS intervals, avg(contact_s) AS contact_s,
        avg(strokes_before_vertex) AS strokes_before_vertex, avg(strokes_after_vertex) AS strokes_after_vertex,
@@ -170,10 +173,13 @@ SELECT person, left_out, friction, count(*) AS n, avg(confidence) AS confidence
 FROM main WHERE counts AND confidence IS NOT NULL
 GROUP BY person, friction ORDER BY person, friction
 
+-- A trial is of the tenth in which its middle lies.
+
 -- name: learning
 WITH numbered AS (
     SELECT person, reaction_s, {hit} AS hit,
-           ntile(10) OVER (PARTITION BY person ORDER BY session_number, trial_number) AS tenth
+           (2 * row_number() OVER (PARTITION BY person ORDER BY session_number, trial_number) - 1) * 5
+               / count(*) OVER (PARTITION BY person) + 1 AS tenth
     FROM main WHERE counts AND NOT left_out),
 own AS (
     SELECT person, tenth, avg(hit) AS share, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt

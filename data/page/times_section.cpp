@@ -40,6 +40,26 @@ void add_trend(Panel& panel,
     panel.bands.push_back(std::move(band));
 }
 
+/// A band of two people can be a thousand times what was measured: cut, so that means are no line
+/// at 0. @return it is
+bool keep_means_visible(Panel& panel) {
+    constexpr double kTimesMeans = 3.0;
+    double means = 0.0;
+    double ends = 0.0;
+    for (const double mean : panel.series.back().y) {
+        means = std::fmax(means, mean);
+    }
+    for (const double end : panel.bands.back().high) {
+        ends = std::fmax(ends, end);
+    }
+    const bool cut = means > 0.0 && ends > kTimesMeans * means;
+    if (cut) {
+        panel.y.low = 0.0;
+        panel.y.high = kTimesMeans * means;
+    }
+    return cut;
+}
+
 void add_response_times(PageWriter& page, const Study& study, bool tested) {
     const std::vector<std::string> frictions = frictions_of(study);
     PageFigure figure{
@@ -159,8 +179,11 @@ void add_learning(PageWriter& page, const Study& study, const PageNumbers& numbe
                 .x = {.label = "tenth of a person's trials"},
                 .y = {.label = "geometric mean", .unit = "s"}};
     add_trend(times, figure.data, "tenth", "response_s", "response_low", "response_high");
-    figure.panels.push_back(std::move(times));
     figure.caption = "Means over people of each tenth of their main trials, exclusions applied.";
+    if (keep_means_visible(times)) {
+        figure.caption += " The 95 % band goes beyond the figure: its ends are in the table.";
+    }
+    figure.panels.push_back(std::move(times));
     page.figure(figure);
 }
 

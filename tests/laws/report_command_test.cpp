@@ -263,6 +263,38 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     refused({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, 1, "no/r.html");
 }
 
+TEST_CASE("a page says what was so: which device, that nobody touched, and the last tenth",
+          "[report]") {
+    const TemporaryFolder folder;
+    write(folder.file("p.toml"),
+          edited(four_trials(), {{"explore_min_s = 0.5", "explore_min_s = 0"},
+                                 {"explore_prompt_s = 30", "explore_prompt_s = 0.02"},
+                                 {"explore_timeout_s = 45", "explore_timeout_s = 0.05"}}));
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db", file});
+    const auto page_with = [&](const std::string& mice) {
+        data::Database(file, data::Access::write)
+            .execute(("UPDATE trial SET device = 'mouse' WHERE " + mice).c_str());
+        return page_of(file, {"--kind", "simulated", "--bootstrap", "20", "--simulations", "20"});
+    };
+    const std::string handle = page_with("0");
+    CHECK_THAT(handle, Has("through a handle with two degrees of freedom; the contact force was "
+                           "rendered at 1 kHz",
+                           "Nobody touched the object in the trials that a map would show",
+                           "The 95 % band goes beyond the figure") &&
+                           !Has("pointer of a mouse") && !Has("No ticks are kept"));
+    const std::string tenths = sources_of(handle).at("simulated-learning.csv").csv;
+    CHECK_THAT(tenths, Has("\n2,2,", "\n4,2,", "\n7,2,", "\n9,2,"));
+    CHECK(count_of(tenths, "\n") == 5);
+    CHECK_THAT(page_with("trial_id = 1"),
+               Has("freedom, and in some trials with the pointer of a mouse, which gives no force; "
+                   "the contact force was rendered"));
+    CHECK_THAT(page_with("1"),
+               Has("unseen objects with the pointer of a mouse, which gives no force; the "
+                   "contact force was computed") &&
+                   !Has("through a handle"));
+}
+
 TEST_CASE("a study with a rule is reported with psychometric functions and tracks", "[report]") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"),
