@@ -112,6 +112,27 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     CHECK(stream.hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
 }
 
+TEST_CASE("of two intervals it is said which one is next, and of a mark which trial it is of",
+          "[live][law]") {
+    const ShownSession session("curvature_2afc", {"4"});
+    std::string shown;
+    REQUIRE(eventually([&] {
+        shown = session.state().value("sentence", "");
+        return shown.ends_with(", second interval");
+    }));
+    const std::size_t begin = shown.find("practice");
+    const data::Json said = session.ask({{"do", "mark"}});
+    CHECK_THAT(said["text"].get<std::string>(),
+               StartsWith(shown.substr(begin, shown.rfind(',') - begin) + " is marked once"));
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'mark'", "1"));
+
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    REQUIRE(session.comes_to("pause"));
+    static_cast<void>(session.ask({{"do", "mark"}}));
+    CHECK(session.ask({{"do", "mark"}})["ok"] == false);
+    CHECK(session.state()["notes"].back()["text"] == "a mark found no answer that counts");
+}
+
 TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",
           "[console][law]") {
     const tests::TemporaryFolder folder;

@@ -223,7 +223,9 @@ void LiveBoard::add_not_counting(const protocols::TrialNumber& trial, const std:
 
 void LiveBoard::marked(const protocols::MarkReply& reply, const std::string& reason) noexcept {
     unless_no_memory([&] {
-        if (reply.found) {
+        if (!reply.found) {  // whoever asked was answered before the trial's end
+            noted("a mark found no answer that counts" + (reason.empty() ? "" : ": " + reason));
+        } else {
             facts_.answered -= std::min<std::size_t>(1, facts_.answered);
             facts_.left += reply.runs_again ? 1U : 0U;
             add_not_counting(reply.number, "marked" + (reason.empty() ? "" : ": " + reason));
@@ -343,10 +345,13 @@ void LiveBoard::add_hidden(data::Json& state) const {
 
 std::string LiveBoard::sentence() const {
     const std::string_view begun = kPhases.at(static_cast<std::size_t>(phase_)).second;
+    const bool second =
+        interval_ == 2 && (phase_ == LivePhase::ready || phase_ == LivePhase::explore);
     return phase_ == LivePhase::trouble ? trouble_.sentence
          : phase_ == LivePhase::ended   ? fmt::format("{} {}", begun, ended_)
-         : begun.ends_with(' ')         ? fmt::format("{}{}", begun, number_text(trial_))
-                                        : std::string(begun);
+         : begun.ends_with(' ')
+             ? fmt::format("{}{}{}", begun, number_text(trial_), second ? ", second interval" : "")
+             : std::string(begun);
 }
 
 std::optional<bool> LiveBoard::force_on() const {

@@ -71,6 +71,8 @@ public:
     [[nodiscard]] int descriptor() const noexcept { return writer_.descriptor(); }
     [[nodiscard]] LivePhase phase() const noexcept { return phase_; }
     [[nodiscard]] bool revealed() const noexcept { return revealed_; }
+    /// As it is shown.
+    [[nodiscard]] const protocols::TrialNumber& trial() const noexcept { return trial_; }
 
     /// Where the session is; shown if that is new.
     void enter(LivePhase phase, const protocols::TrialView* trial = nullptr) noexcept;

@@ -269,9 +269,13 @@ void LiveSession::mark(const Asked& asked) {
         reason_ += (reason_.empty() ? "" : "; ") + asked.text;
     }
     desk_.mark(reason_);
-    asked.caller->answer(!reply_ || reply_->found,
-                         reply_ ? std::string(trimmed(mark_text(*reply_), "\n"))
-                                : "it is marked, once the trial that runs is over");
+    if (reply_ || !markable_) {
+        const protocols::MarkReply reply = reply_.value_or(protocols::MarkReply{});
+        asked.caller->answer(reply.found, trimmed(mark_text(reply), "\n"));
+    } else {
+        asked.caller->answer(true, fmt::format("{} is marked once it is over, if its answer counts",
+                                               number_text(*markable_)));
+    }
 }
 
 void LiveSession::marked(const protocols::MarkReply& reply) {

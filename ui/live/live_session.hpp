@@ -45,7 +45,10 @@ public:
     /// @param look  called by pump() while nothing is felt and no answer is timed
     void beside(std::function<void()> look) { beside_ = std::move(look); }
     /// The running trial, for notes; none between trials.
-    void in_trial(std::optional<protocols::TrialId> trial) noexcept { trial_ = trial; }
+    void in_trial(std::optional<protocols::TrialId> trial) noexcept {
+        trial_ = trial;
+        markable_ = trial ? std::optional(board_->trial()) : markable_;
+    }
     void marked(const protocols::MarkReply& reply);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
@@ -101,6 +104,7 @@ private:
 
     std::function<void()> beside_;
     std::optional<protocols::TrialId> trial_{};
+    std::optional<protocols::TrialNumber> markable_{};  ///< the trial that runs, or the last one
     bool reveal_wanted_ = false;
     std::string reason_;  ///< of the mark that is on its way
     std::optional<protocols::MarkReply> reply_{};
