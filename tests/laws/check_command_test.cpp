@@ -55,6 +55,12 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
     CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
 }
 
+TEST_CASE("check warns of motors that are heard, not of a pointer's", "[cli]") {
+    CHECK_THAT(ran({"check", "curvature_2afc"}).out, Has("motors can be heard"));
+    CHECK_THAT(ran({"check", "curvature_2afc", "--device", "mouse"}).out,
+               !Has("motors can be heard"));
+}
+
 TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot render it",
           "[cli][law]") {
     const TemporaryFolder folder;

@@ -81,8 +81,9 @@ std::string font_of(const CheckOptions& options) {
     }
 }
 
-void print_advice(const Protocol& protocol, const Plan& plan, const std::string& font) {
-    for (const std::string& sentence : advice_on(protocol, plan, font)) {
+void print_advice(const Protocol& protocol, const Plan& plan, const CheckOptions& options) {
+    const bool motors = gives_force(parse_device(options.device).kind);
+    for (const std::string& sentence : advice_on(protocol, plan, font_of(options), motors)) {
         say("  warning: {}\n", sentence);
     }
 }
@@ -171,7 +172,7 @@ int run(const CheckOptions& options) {
     }
     print_title(study);
     print_duration(study.protocol, plan);
-    print_advice(study.protocol, plan, font_of(options));
+    print_advice(study.protocol, plan, options);
     const bool feasible = print_feasibility(study, key, options);
     print_design(study, plan);
     if (options.tables) {

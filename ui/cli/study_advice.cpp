@@ -161,11 +161,12 @@ Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Pl
 
 std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                    const protocols::Plan& plan,
-                                   const std::string& font) {
+                                   const std::string& font,
+                                   bool motors) {
     std::vector<std::string> all;
     advise_on_plan(protocol, plan, all);
     advise_on_laws(protocol, all);
-    if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
+    if (motors && compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
         all.push_back(
             "friction is compared without masking noise, and motors can be heard: give [masking] "
             "noise = \"pink\"");

@@ -13,9 +13,11 @@ namespace palpate::ui {
 /// chatter or are not passive, instructions that the chosen language lacks or that the screen
 /// cannot show, noise so loud that its peaks are cut.
 /// @param font  of the subject's screen; empty: it is not asked
+/// @param motors  of the device, which can be heard
 [[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                                  const protocols::Plan& plan,
-                                                 const std::string& font = {});
+                                                 const std::string& font = {},
+                                                 bool motors = true);
 
 /// Trials between two breaks, the most of them, and how long they take, s, each felt until the
 /// prompt.
