@@ -85,7 +85,7 @@ const std::vector<State> kStates{
     {R"({"reveal": "shown", "hidden": {"object": "convex", "friction": "high", "level": 12.5,
          "outline": [[0.03, 0], [0, 0.02], [-0.03, 0]], "answers": [{"trial": 1, "correct": false,
          "practice": false, "object": "convex", "friction": "high", "answer": "concave"}]}})",
-     {{"hidden", "convex"}, {"answers", "wrong"}},
+     {{"hidden", "convex"}, {"answers", "wrong"}, {"scene-text", "No hand was seen yet."}},
      {}}};
 
 /// Whatever somebody could not read: what is wider than its place, what the page is too narrow for,

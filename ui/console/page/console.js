@@ -241,8 +241,8 @@
     }));
     const newtons = live && is(live.f) ? Math.hypot(live.f[0], live.f[1]) : 0;
     const mm = p => is(p) ? (1000 * p[0]).toFixed(1) + ', ' + (1000 * p[1]).toFixed(1) + ' mm' : 'none';
-    put($('scene-text'), 'Disc: hand (HIP) at ' + mm(live && live.hip) + '. Square: god-object at ' + mm(live && live.go) +
-      '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
+    put($('scene-text'), !live || !is(live.hip) ? 'No hand was seen yet.'
+      : 'Disc: hand (HIP) at ' + mm(live.hip) + '. Square: god-object at ' + mm(live.go) + '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
     draw();
   }
 
