@@ -14,6 +14,8 @@ using engine::Vec2;
 namespace {
 
 constexpr std::size_t kClicked = 1;
+/// Beside the window there is room.
+constexpr WindowSession::Screen kWide{.width = 1920, .height = 1080};
 
 /// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off
 /// again.
@@ -82,14 +84,14 @@ TEST_CASE(
     const TemporaryFolder folder;
     WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
                                     {"--device", "mouse", "--kind", "pilot", "--windowed"}),
-                          folder.file("d.sqlite"));
+                          folder.file("d.sqlite"), {}, kWide);
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
     session.press_at("welcome", "space");
     for (int trial = 0; trial < 4; ++trial) {
         const XHand::Window before = session.wait_for_screen("ready");
         const int beside = before.x + before.width + 5;
-        REQUIRE(beside < WindowSession::Screen{}.width);
+        REQUIRE(beside < kWide.width);
         if (trial % 2 == 0) {
             hand.move(beside, before.y + before.height / 2);
         } else {
