@@ -350,7 +350,7 @@ std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
     return ChainWalk(database, session, false).all();
 }
 
-std::string kept_head(Database& database, std::int64_t session) {
+std::string kept_head(Database& database, std::int64_t session, std::size_t breaks) {
     std::string head = chain_head(database, session);
     if (database.in_memory()) {
         return head;
@@ -358,7 +358,7 @@ std::string kept_head(Database& database, std::int64_t session) {
     std::string why = "the session is another one there";
     try {
         Database anew(database.file(), Access::read);
-        if (chain_head(anew, session) == head && chain_breaks(anew, session).empty()) {
+        if (chain_head(anew, session) == head && chain_breaks(anew, session).size() <= breaks) {
             return head;
         }
     } catch (const StoreError& e) {

@@ -76,8 +76,9 @@ void chain_anew(Database& database, std::int64_t session);
 [[nodiscard]] std::string chain_head(Database& database, std::int64_t session);
 
 /// chain_head() of a session that ended, once the file was opened anew and had all of the session
-/// as it was chained. @throws StoreError if it has not: something wrote over it
-[[nodiscard]] std::string kept_head(Database& database, std::int64_t session);
+/// as it was chained. @param breaks  that it had before, by hand
+/// @throws StoreError if it has not: something wrote over it
+[[nodiscard]] std::string kept_head(Database& database, std::int64_t session, std::size_t breaks);
 
 /// A value that is not the one that was chained.
 struct ChainBreak {

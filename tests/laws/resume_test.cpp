@@ -6,6 +6,7 @@
 
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -204,6 +205,38 @@ TEST_CASE(
     CHECK(stuck->running());
     stuck->signal(SIGINT);
     CHECK(stuck->wait().code == 128 + SIGINT);
+}
+
+TEST_CASE("a file that something writes over while it is in use is not said to be finished",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string copy = folder.file("copy.sqlite");
+    const auto session = run_into_trial(file, 1, "10");
+    REQUIRE(Process({"sqlite3", file, ".backup '" + copy + "'"}).wait().code == 0);
+    const std::string before = slurp(copy);
+    while (session->running() &&
+           sql_first(file, "SELECT count(*) FROM response").find_first_of("345") != 0) {
+        pause(0.02);
+    }
+    std::ofstream(file, std::ios::binary) << before;  // as cp does: the same file
+    check_end(session->wait(), 1, Has("something wrote over it while it was in use"));
+}
+
+TEST_CASE("who deletes the log of a running session spoils nobody's session", "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto first = run_into_trial(file, 2, "10");
+    std::filesystem::remove(file + "-wal");
+    std::filesystem::remove(file + "-shm");
+    const Finished second = palpate_command(words(file));
+    CAPTURE(second.out, second.error);
+    CHECK(second.code == 0);
+    check_end(first->wait(), 1, Has("d.sqlite.rescued: put that in its place"));
+    CHECK_THAT(ran({"verify", file}).out, Has("10 trials", "Nothing differs"));
+    CHECK(std::filesystem::status(file + ".rescued").permissions() ==
+          (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+    CHECK(palpate_command({"verify", file + ".rescued"}).code == 0);
 }
 
 TEST_CASE("two programs cannot run one session at once", "[crash]") {

@@ -360,6 +360,7 @@ RigEnd run_rig(data::Database& database,
     facts.masking_db = masking.player ? std::optional(protocol.masking.level_db) : std::nullopt;
     OperatorLog log(opened.progress.attempts(), now_s());
     const SummaryAtEnd summary(database, opened, spec);
+    const std::size_t breaks = data::chain_breaks(database, opened.id).size();
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
@@ -393,7 +394,7 @@ RigEnd run_rig(data::Database& database,
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
     }
-    return {.session = std::move(end), .head = data::kept_head(database, opened.id)};
+    return {.session = std::move(end), .head = data::kept_head(database, opened.id, breaks)};
 }
 
 }  // namespace palpate::ui
