@@ -4,6 +4,7 @@
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/picking.hpp"
 #include "tests/support/arc_oracle.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
@@ -99,6 +100,13 @@ TEST_CASE(
         }
         session.press_at("ready", "space");
         const XHand::Window window = session.wait_for_screen("explore");
+        const Vec2 start =
+            ui::PointerMap{{static_cast<double>(window.width), static_cast<double>(window.height)}}
+                .to_pixel({0.0, 0.060});
+        CHECK(eventually([&] {
+            const auto [x, y] = hand.place();
+            return glm::length(Vec2{x - window.x, y - window.y} - start) < 2.0;
+        }));
         explore(hand, window);
         explore_screens.insert(hand.pixels(window));
         session.press_at("explore", "space");

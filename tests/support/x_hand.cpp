@@ -164,6 +164,19 @@ void XHand::move(int x, int y) {
     XFlush(x_->display);
 }
 
+std::pair<int, int> XHand::place() {
+    ::Window root = 0;
+    ::Window child = 0;
+    int x = 0;
+    int y = 0;
+    int within_x = 0;
+    int within_y = 0;
+    unsigned keys = 0;
+    XQueryPointer(x_->display, DefaultRootWindow(x_->display), &root, &child, &x, &y, &within_x,
+                  &within_y, &keys);
+    return {x, y};
+}
+
 void XHand::click() {
     XTestFakeButtonEvent(x_->display, 1, True, CurrentTime);
     XTestFakeButtonEvent(x_->display, 1, False, CurrentTime);

@@ -52,6 +52,8 @@ public:
     void focus(const Window& window);
 
     void move(int x, int y);
+    /// Where the pointer is, on the screen.
+    [[nodiscard]] std::pair<int, int> place();
     void click();
     /// @param name  X keysym name: "space", "1", "Right", ...; or the number of a key of Linux's
     ///              evdev and 8, as "#33": the place on the keyboard, whatever layout it has
