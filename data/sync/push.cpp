@@ -64,7 +64,7 @@ public:
                          "where");
                 continue;
             }
-            report_.withdrawn += withdrawal(database_, session.id) ? 1 : 0;
+            report_.withdrawn += withdrawal(database_, session.id) ? 1U : 0U;
             push_head(session);
             push_trials(session);
             push_events(session);
