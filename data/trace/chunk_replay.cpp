@@ -290,8 +290,9 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     return true;
 }
 
-/// An unpacked chunk's ticks with their contacts, after those of the chunk before: all that cannot be
-/// done side by side. A few ticks at a time: their memory comes while contacts wait for themselves.
+/// An unpacked chunk's ticks with their contacts, after those of the chunk before: all that cannot
+/// be done side by side. A few ticks at a time: their memory comes while contacts wait for
+/// themselves.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
     constexpr std::size_t kAtOnce = 8;
     const std::size_t at_once = chunk.view.parts == 0 ? kAtOnce : chunk.ticks.size();

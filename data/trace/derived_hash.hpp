@@ -9,8 +9,8 @@
 
 namespace palpate::data {
 
-/// XXH3 (64 bits, seed 0, xxHash 0.8) over the ticks as the servo recorded them, 208 bytes a tick as
-/// TickRecord lies in memory, little endian, without gaps:
+/// XXH3 (64 bits, seed 0, xxHash 0.8) over the ticks as the servo recorded them, 208 bytes a tick
+/// as TickRecord lies in memory, little endian, without gaps:
 ///
 ///     tick, time_ns (i64); hip, cp, go, force, command (x, y, z), normal_force, tangential_force,
 ///     mu, u, v (f64); counts (3), codes (3) (i32); lateness_us (f32); segment (i16); mode, flags

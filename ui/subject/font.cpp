@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "ui/sdl/sdl.hpp"
