@@ -62,6 +62,14 @@ struct SampleScan {
     bool nothing = false;  ///< no row can be meant
 };
 
+/// A trial with several intervals in one order: rows by part, and the order they are given in.
+struct MergedRows {
+    std::vector<engine::TickRecord> rows;
+    std::vector<TrialPart> of;
+    std::vector<std::size_t> order;
+    std::size_t next = 0;  ///< in that order
+};
+
 /// Walks over ticks in the order trial, interval, tick (or as the scan says).
 class SampleCursor {
 public:
@@ -103,13 +111,6 @@ private:
     const engine::TickRecord* end_ = nullptr;  ///< of those that lie behind the tick
     engine::TickRecord last_{};                ///< of the block before
     bool has_last_ = false;
-    /// A trial with several intervals in one order: rows by part, and the order they are given in.
-    struct MergedRows {
-        std::vector<engine::TickRecord> rows;
-        std::vector<TrialPart> of;
-        std::vector<std::size_t> order;
-        std::size_t next = 0;  ///< in that order
-    };
     std::optional<MergedRows> merged_;
 };
 
