@@ -44,7 +44,15 @@ void Database::rescue_deleted() {
         for (int i = 2; !made_private(name) && errno == EEXIST; ++i) {
             name = fmt::format("{}.rescued-{}", connection_.file, i);
         }
-        run("VACUUM INTO ?1", name);
+        try {
+            run("VACUUM INTO ?1", name);
+        } catch (const StoreError& e) {
+            std::filesystem::remove(name);
+            throw StoreError(fmt::format(
+                "{}: it, or its log, was deleted while it was in use, and what was recorded could "
+                "not be kept as {}: {}",
+                connection_.file, name, e.what()));
+        }
         rescued_ = std::move(name);
     }
     throw StoreError(
