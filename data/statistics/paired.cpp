@@ -267,7 +267,7 @@ SignedRank signed_rank(std::span<const double> differences) {
 
 double jzs_bayes_factor(double t, std::size_t n, double r) {
     constexpr double kStep = 0.02;
-    constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
+    constexpr double kNormalAtZero = 0.398942280401432677939946059934381868;
     const auto people = static_cast<double>(n);
     const double df = people - 1.0;
     const double none = std::log1p(t * t / df);
@@ -279,7 +279,7 @@ double jzs_bayes_factor(double t, std::size_t n, double r) {
             -0.5 * std::log(spread) - 0.5 * (df + 1.0) * (std::log1p(t * t / (spread * df)) - none);
         sum += std::exp(log_ratio - 0.5 * at - 0.5 / g);
     }
-    return sum * kStep * kInverseSqrtTwoPi;
+    return sum * kStep * kNormalAtZero;
 }
 
 }  // namespace palpate::data

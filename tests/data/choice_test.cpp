@@ -83,7 +83,7 @@ double highest_near(const std::vector<CallCounts>& both, Namer off, Namer on) {
         on.criteria = off.criteria;
         const bool in_order = std::ranges::is_sorted(off.criteria);
         return in_order && off.sigma > 0.01 && on.sigma > 0.01 ? log_likelihood(both, off, on)
-                                                               : -INFINITY;
+                                                               : -HUGE_VAL;
     };
     double best = value();
     for (double step = 1.0; step > 1e-3;) {

@@ -168,7 +168,7 @@ double highest_normal(const std::vector<Level>& levels, bool lapse_free) {
             sum +=
                 level.k < level.n ? static_cast<double>(level.n - level.k) * std::log1p(-p) : 0.0;
         }
-        return at[2] < 0.0 || at[2] > 0.25 ? -INFINITY : sum;
+        return at[2] < 0.0 || at[2] > 0.25 ? -HUGE_VAL : sum;
     };
     double best = value();
     for (double step = 0.1; step > 1e-6;) {
