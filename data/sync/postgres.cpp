@@ -29,65 +29,49 @@ constexpr int kPipelineAborted = 11;
 /// libpq, PostgreSQL's C library (https://www.postgresql.org/docs/current/libpq.html), loaded when
 /// the first server is asked for: it brings twenty libraries, and no other command needs one of
 /// them.
-class Libpq {
-public:
-    /// @throws std::invalid_argument if it is not installed: what to install
-    [[nodiscard]] static const Libpq& get() {
-        static const Libpq libpq;
-        return libpq;
-    }
-
-private:
-    SharedLibrary library_{"libpq.so.5"};
-
-    [[nodiscard]] SharedLibrary::Symbol needed(const char* name) const {
-        const SharedLibrary::Symbol found = library_.find(name);
-        refuse_if(found.place == nullptr,
-                  "palpate push needs PostgreSQL's library, libpq.so.5 of version 14 or later: "
-                  "install libpq5, and push again");
-        return found;
-    }
-
-public:
-    void (*clear)(PGresult*) = needed("PQclear");
-    char* (*cmd_tuples)(PGresult*) = needed("PQcmdTuples");
-    PGconn* (*connect)(const char*) = needed("PQconnectdb");
-    void* (*conninfo)(PGconn*) = needed("PQconninfo");
-    PGconn* (*connect_start)(const char*) = needed("PQconnectStart");
-    int (*ssl_in_use)(PGconn*) = needed("PQsslInUse");
-    const char* (*ssl_attribute)(PGconn*, const char*) = needed("PQsslAttribute");
-    void (*conninfo_free)(void*) = needed("PQconninfoFree");
-    void* (*conninfo_parse)(const char*, char**) = needed("PQconninfoParse");
-    int (*enter_pipeline_mode)(PGconn*) = needed("PQenterPipelineMode");
-    char* (*error_message)(const PGconn*) = needed("PQerrorMessage");
-    PGresult* (*exec)(PGconn*, const char*) = needed("PQexec");
-    PGresult* (*exec_params)(
-        PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int) =
-        needed("PQexecParams");
-    int (*exit_pipeline_mode)(PGconn*) = needed("PQexitPipelineMode");
-    void (*finish)(PGconn*) = needed("PQfinish");
-    PGresult* (*get_result)(PGconn*) = needed("PQgetResult");
-    int (*is_null)(const PGresult*, int, int) = needed("PQgetisnull");
-    char* (*value)(const PGresult*, int, int) = needed("PQgetvalue");
-    char* (*host)(const PGconn*) = needed("PQhost");
-    int (*columns)(const PGresult*) = needed("PQnfields");
-    int (*rows)(const PGresult*) = needed("PQntuples");
-    char* (*password)(const PGconn*) = needed("PQpass");
-    int (*pipeline_sync)(PGconn*) = needed("PQpipelineSync");
-    char* (*result_error_message)(const PGresult*) = needed("PQresultErrorMessage");
-    int (*result_status)(const PGresult*) = needed("PQresultStatus");
-    int (*send_query_params)(
-        PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int) =
-        needed("PQsendQueryParams");
-    void* (*set_notice_processor)(PGconn*,
-                                  void (*)(void*, const char*),
-                                  void*) = needed("PQsetNoticeProcessor");
-    int (*status)(const PGconn*) = needed("PQstatus");
+struct Libpq {
+    static constexpr const char* kFile = "libpq.so.5";
+    static constexpr const char* kUse =
+        "palpate push needs PostgreSQL's library, of version 14 or later";
+    static constexpr const char* kPackage = "libpq5";
 };
+template <class Function>
+using Late = LateFunction<Libpq, Function>;
 
-const Libpq& pq() {
-    return Libpq::get();
-}
+constinit const Late<void(PGresult*)> PQclear("PQclear");
+constinit const Late<char*(PGresult*)> PQcmdTuples("PQcmdTuples");
+constinit const Late<PGconn*(const char*)> PQconnectdb("PQconnectdb");
+constinit const Late<void*(PGconn*)> PQconninfo("PQconninfo");
+constinit const Late<PGconn*(const char*)> PQconnectStart("PQconnectStart");
+constinit const Late<int(PGconn*)> PQsslInUse("PQsslInUse");
+constinit const Late<const char*(PGconn*, const char*)> PQsslAttribute("PQsslAttribute");
+constinit const Late<void(void*)> PQconninfoFree("PQconninfoFree");
+constinit const Late<void*(const char*, char**)> PQconninfoParse("PQconninfoParse");
+constinit const Late<int(PGconn*)> PQenterPipelineMode("PQenterPipelineMode");
+constinit const Late<char*(const PGconn*)> PQerrorMessage("PQerrorMessage");
+constinit const Late<PGresult*(PGconn*, const char*)> PQexec("PQexec");
+constinit const Late<PGresult*(
+    PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int)>
+    PQexecParams("PQexecParams");
+constinit const Late<int(PGconn*)> PQexitPipelineMode("PQexitPipelineMode");
+constinit const Late<void(PGconn*)> PQfinish("PQfinish");
+constinit const Late<PGresult*(PGconn*)> PQgetResult("PQgetResult");
+constinit const Late<int(const PGresult*, int, int)> PQgetisnull("PQgetisnull");
+constinit const Late<char*(const PGresult*, int, int)> PQgetvalue("PQgetvalue");
+constinit const Late<char*(const PGconn*)> PQhost("PQhost");
+constinit const Late<int(const PGresult*)> PQnfields("PQnfields");
+constinit const Late<int(const PGresult*)> PQntuples("PQntuples");
+constinit const Late<char*(const PGconn*)> PQpass("PQpass");
+constinit const Late<int(PGconn*)> PQpipelineSync("PQpipelineSync");
+constinit const Late<char*(const PGresult*)> PQresultErrorMessage("PQresultErrorMessage");
+constinit const Late<int(const PGresult*)> PQresultStatus("PQresultStatus");
+constinit const Late<
+    int(PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int)>
+    PQsendQueryParams("PQsendQueryParams");
+constinit const Late<void*(PGconn*, void (*)(void*, const char*), void*)> PQsetNoticeProcessor(
+    "PQsetNoticeProcessor");
+constinit const Late<int(const PGconn*)> PQstatus("PQstatus");
+
 PGconn* of(void* connection) {
     return static_cast<PGconn*>(connection);
 }
@@ -97,10 +81,10 @@ public:
     explicit Result(PGresult* result) : result_(result) {}
     Result(const Result&) = delete;
     Result& operator=(const Result&) = delete;
-    ~Result() { pq().clear(result_); }
+    ~Result() { PQclear(result_); }
     [[nodiscard]] PGresult* get() const { return result_; }
     [[nodiscard]] bool good() const {
-        const int status = pq().result_status(result_);
+        const int status = PQresultStatus(result_);
         return status == kCommandOk || status == kTuplesOk;
     }
 
@@ -116,14 +100,14 @@ struct ConninfoOption {
 /// A word of the connection as libpq has it: from the URL, a service file, a variable, or by
 /// itself.
 std::string word_of(PGconn* connection, std::string_view keyword) {
-    auto* all = static_cast<ConninfoOption*>(pq().conninfo(connection));
+    auto* all = static_cast<ConninfoOption*>(PQconninfo(connection));
     std::string value;
     for (const ConninfoOption* one = all; one != nullptr && one->keyword != nullptr; ++one) {
         if (one->keyword == keyword && one->value != nullptr) {
             value = one->value;
         }
     }
-    pq().conninfo_free(all);
+    PQconninfoFree(all);
     return value;
 }
 
@@ -177,9 +161,9 @@ struct Parameters {
 /// A wrong URL is not repeated, by libpq neither: its words could hold the password.
 void require_url(const std::string& url) {
     const bool ours = url.starts_with("postgresql://") || url.starts_with("postgres://");
-    void* parsed = ours ? pq().conninfo_parse(url.c_str(), nullptr) : nullptr;
+    void* parsed = ours ? PQconninfoParse(url.c_str(), nullptr) : nullptr;
     const bool good = parsed != nullptr;
-    pq().conninfo_free(parsed);
+    PQconninfoFree(parsed);
     refuse_if(!good,
               "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
               "other than letters and digits as %XX");
@@ -222,44 +206,44 @@ PostgresRow& PostgresRow::bytes(std::span<const std::byte> value) {
 Postgres::Postgres(const std::string& url, bool insecure) {
     require_url(url);
     if (!insecure) {
-        const std::unique_ptr<PGconn, decltype(Libpq::finish)> begun(
-            pq().connect_start(url.c_str()), pq().finish);
+        const std::unique_ptr<PGconn, void (*)(PGconn*)> begun(PQconnectStart(url.c_str()),
+                                                               PQfinish);
         require_secure(begun.get());
     }
-    connection_ = pq().connect(url.c_str());
-    if (pq().status(of(connection_)) != kConnectionOk) {
+    connection_ = PQconnectdb(url.c_str());
+    if (PQstatus(of(connection_)) != kConnectionOk) {
         try {
-            fail("connecting", pq().error_message(of(connection_)));
+            fail("connecting", PQerrorMessage(of(connection_)));
         } catch (...) {
-            pq().finish(of(connection_));
+            PQfinish(of(connection_));
             throw;
         }
     }
     // What the server remarks would go to standard error as it comes; what fails is thrown.
-    pq().set_notice_processor(
+    PQsetNoticeProcessor(
         of(connection_), [](void*, const char*) {}, nullptr);
     run("SET client_min_messages = warning; SET client_encoding = 'UTF8'");
 }
 
 std::string Postgres::way() const {
     PGconn* connection = of(connection_);
-    const char* host = pq().host(connection);
+    const char* host = PQhost(connection);
     std::string text = host == nullptr || *host == '\0' ? "?" : host;
-    if (pq().ssl_in_use(connection) == 0) {
+    if (PQsslInUse(connection) == 0) {
         return text + ", not encrypted by TLS";
     }
-    const char* version = pq().ssl_attribute(connection, "protocol");
+    const char* version = PQsslAttribute(connection, "protocol");
     return fmt::format("{}, over {}, the server {}", text, version == nullptr ? "TLS" : version,
                        word_of(connection, "sslmode") == "verify-full" ? "checked" : "not checked");
 }
 
 Postgres::~Postgres() {
-    pq().finish(of(connection_));
+    PQfinish(of(connection_));
 }
 
 void Postgres::fail(std::string_view doing, const char* words) const {
     std::string said = words;
-    const char* password = pq().password(of(connection_));
+    const char* password = PQpass(of(connection_));
     for (std::size_t at = 0; password != nullptr && *password != '\0' &&
                              (at = said.find(password)) != std::string::npos;) {
         said.replace(at, std::strlen(password), "...");
@@ -274,35 +258,35 @@ void Postgres::fail(std::string_view doing, const char* words) const {
         const std::size_t end = std::min(said.find_first_not_of("\n\t", at), said.size());
         said.replace(at, end - at, "; ");
     }
-    const char* host = pq().host(of(connection_));
+    const char* host = PQhost(of(connection_));
     throw PostgresError(fmt::format("PostgreSQL at {}: {} failed: {}",
                                     host == nullptr || *host == '\0' ? "?" : host, doing, said));
 }
 
 void Postgres::run(const std::string& sql) {
-    const Result result(pq().exec(of(connection_), sql.c_str()));
+    const Result result(PQexec(of(connection_), sql.c_str()));
     if (!result.good()) {
-        fail("a statement", pq().error_message(of(connection_)));
+        fail("a statement", PQerrorMessage(of(connection_)));
     }
 }
 
 std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::string& sql,
                                                                     const PostgresRow& row) {
     const Parameters all = parameters_of(row.values_);
-    const Result result(pq().exec_params(
-        of(connection_), sql.c_str(), static_cast<int>(all.values.size()), all.types.data(),
-        all.values.data(), all.lengths.data(), all.formats.data(), 0));
+    const Result result(PQexecParams(of(connection_), sql.c_str(),
+                                     static_cast<int>(all.values.size()), all.types.data(),
+                                     all.values.data(), all.lengths.data(), all.formats.data(), 0));
     if (!result.good()) {
-        fail("a query", pq().error_message(of(connection_)));
+        fail("a query", PQerrorMessage(of(connection_)));
     }
     std::vector<std::vector<std::optional<std::string>>> found;
-    for (int line = 0; line < pq().rows(result.get()); ++line) {
+    for (int line = 0; line < PQntuples(result.get()); ++line) {
         auto& values = found.emplace_back();
-        for (int column = 0; column < pq().columns(result.get()); ++column) {
-            const bool null = pq().is_null(result.get(), line, column) != 0;
+        for (int column = 0; column < PQnfields(result.get()); ++column) {
+            const bool null = PQgetisnull(result.get(), line, column) != 0;
             values.push_back(
                 null ? std::nullopt
-                     : std::optional<std::string>(pq().value(result.get(), line, column)));
+                     : std::optional<std::string>(PQgetvalue(result.get(), line, column)));
         }
     }
     return found;
@@ -310,11 +294,11 @@ std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::s
 
 void Postgres::send(const std::string& sql, const PostgresRow& row) {
     const Parameters all = parameters_of(row.values_);
-    if ((waiting_ == 0 && pq().enter_pipeline_mode(of(connection_)) == 0) ||
-        pq().send_query_params(of(connection_), sql.c_str(), static_cast<int>(all.values.size()),
-                               all.types.data(), all.values.data(), all.lengths.data(),
-                               all.formats.data(), 0) == 0) {
-        fail("sending rows", pq().error_message(of(connection_)));
+    if ((waiting_ == 0 && PQenterPipelineMode(of(connection_)) == 0) ||
+        PQsendQueryParams(of(connection_), sql.c_str(), static_cast<int>(all.values.size()),
+                          all.types.data(), all.values.data(), all.lengths.data(),
+                          all.formats.data(), 0) == 0) {
+        fail("sending rows", PQerrorMessage(of(connection_)));
     }
     ++waiting_;
 }
@@ -324,36 +308,36 @@ std::int64_t Postgres::flush() {
         return 0;
     }
     // Without BEGIN, all statements up to a sync are one transaction.
-    if (pq().pipeline_sync(of(connection_)) == 0) {
-        fail("sending rows", pq().error_message(of(connection_)));
+    if (PQpipelineSync(of(connection_)) == 0) {
+        fail("sending rows", PQerrorMessage(of(connection_)));
     }
     std::int64_t added = 0;
     std::string wrong;
     bool ended = false;
     for (bool synced = false; !synced;) {
-        PGresult* next = pq().get_result(of(connection_));
+        PGresult* next = PQgetResult(of(connection_));
         if (next == nullptr) {
             // The end of a statement's results. Twice in a row nothing is left to wait for, and the
             // sync did not come: the server is gone, whatever PQstatus says.
-            if (ended || pq().status(of(connection_)) != kConnectionOk) {
+            if (ended || PQstatus(of(connection_)) != kConnectionOk) {
                 fail("sending rows",
-                     wrong.empty() ? pq().error_message(of(connection_)) : wrong.c_str());
+                     wrong.empty() ? PQerrorMessage(of(connection_)) : wrong.c_str());
             }
             ended = true;
             continue;
         }
         ended = false;
         const Result result(next);
-        const int status = pq().result_status(next);
+        const int status = PQresultStatus(next);
         synced = status == kPipelineSync;
         if (status == kCommandOk) {
-            added += std::atoll(pq().cmd_tuples(next));
+            added += std::atoll(PQcmdTuples(next));
         } else if (!synced && status != kTuplesOk && status != kPipelineAborted && wrong.empty()) {
-            wrong = pq().result_error_message(next);
+            wrong = PQresultErrorMessage(next);
         }
     }
     waiting_ = 0;
-    pq().exit_pipeline_mode(of(connection_));
+    PQexitPipelineMode(of(connection_));
     if (!wrong.empty()) {
         fail("adding rows", wrong.c_str());
     }
