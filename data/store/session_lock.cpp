@@ -23,6 +23,19 @@ struct flock bytes_of(std::optional<std::int64_t> session) {
     return bytes;
 }
 
+/// Locks of others from one byte up to another (0: no end). The kernel names any of them first.
+std::size_t locks_within(int log, off_t first, off_t end) {
+    struct flock bytes = bytes_of(std::nullopt);
+    bytes.l_start = first;
+    bytes.l_len = end > 0 ? end - first : 0;
+    if ((end > 0 && first >= end) || fcntl(log, F_OFD_GETLK, &bytes) != 0 ||
+        bytes.l_type == F_UNLCK) {
+        return 0;
+    }
+    return 1 + (bytes.l_start > 0 ? locks_within(log, first, bytes.l_start) : 0) +
+           locks_within(log, bytes.l_start + 1, end);
+}
+
 }  // namespace
 
 SessionLock::SessionLock(Database& database, std::int64_t session) {
@@ -50,6 +63,15 @@ bool SessionLock::held(const std::string& file, std::optional<std::int64_t> sess
     const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
     struct flock bytes = bytes_of(session);
     const bool found = log >= 0 && fcntl(log, F_OFD_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
+    if (log >= 0) {
+        close(log);
+    }
+    return found;
+}
+
+std::size_t SessionLock::all_held(const std::string& file) {
+    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
+    const std::size_t found = log >= 0 ? locks_within(log, 0, 0) : 0;
     if (log >= 0) {
         close(log);
     }

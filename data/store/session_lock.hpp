@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,6 +29,8 @@ public:
     [[nodiscard]] static bool held(const Database& database, std::int64_t session) {
         return held(database.file(), session);
     }
+    /// How many sessions of a file programs of this computer run.
+    [[nodiscard]] static std::size_t all_held(const std::string& file);
 
 private:
     int log_ = -1;

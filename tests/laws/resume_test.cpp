@@ -280,13 +280,26 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
     CHECK_THAT(status.out, Has("running: P1", "another container") && !Has("Nothing runs"));
     CHECK_THAT(elsewhere({palpate, "sql", file, "-c", "SELECT 1"}).error,
                Has("a session runs on it"));
+    {  // one that can be called hides none that cannot
+        std::vector<std::string> beyond{"unshare", "--user", "--map-root-user", "--net", palpate};
+        for (const std::string& word : words(file, "2")) {
+            beyond.push_back(word == "P1" ? "P2" : word);
+        }
+        const Process other(beyond, {"DISPLAY", "WAYLAND_DISPLAY"});
+        REQUIRE(eventually(
+            [&] { return number(file, "SELECT count(*) FROM trial WHERE session_id = 2") > 0; }));
+        const Finished stop = ran({"stop", file}, 1);
+        CHECK_THAT(stop.out, Has("No force any more in 1 session", "participant P1"));
+        CHECK_THAT(stop.error, Has("1 session on it cannot be called from here"));
+    }
 
     first->signal(SIGKILL);
     static_cast<void>(first->wait());
     check_end(elsewhere({palpate, "stop", file}), 1, Has("no session runs on it"));
     CHECK_THAT(elsewhere({palpate, "status", file}).out, Has("Nothing runs on it now"));
     CHECK(elsewhere(run).code == 0);
-    CHECK(number(file, "SELECT count(*) FROM response") == 10);
+    CHECK(number(file, "SELECT sum(answered) FROM session_health WHERE participant_code = 'P1'") ==
+          10);
 }
 
 TEST_CASE("a session that was stopped from a shell keeps its log, whoever else writes the file",

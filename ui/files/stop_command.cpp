@@ -34,6 +34,19 @@ int run(const StopOptions& options) {
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
     }
+    const std::size_t all = options.database ? data::SessionLock::all_held(*options.database) : 0;
+    const std::string beyond =
+        all <= stopped.on_file
+            ? ""
+            : fmt::format(
+                  "{}: {} on it cannot be called from here, as in another container or "
+                  "network namespace: {}stop it there, or use the switch of its motors",
+                  *options.database, counted(all - stopped.on_file, "session"),
+                  stopped.sessions > 0 ? "" : "nothing was stopped; ");
+    if (!beyond.empty() &&
+        stopped.sessions + stopped.on_file > 0) {  // what else is to be said follows
+        warn("{}", beyond);
+    }
     refuse_if<std::runtime_error>(
         stopped.silent + stopped.uncalled > 0,
         "{} did not answer in 2 s, which hangs or is stopped: use the switch of its motors{}",
@@ -42,7 +55,7 @@ int run(const StopOptions& options) {
     refuse_if<std::runtime_error>(stopped.unproved > 0, "of {}: {}",
                                   counted(stopped.unproved, "session"), engine::kForceUnproved);
     if (stopped.sessions > 0) {
-        return 0;
+        return beyond.empty() ? 0 : kExitFailure;
     }
     refuse_if<std::runtime_error>(!options.database,
                                   "no session that somebody feels is yours: nothing was stopped");
@@ -52,11 +65,7 @@ int run(const StopOptions& options) {
         "{}: a session runs on it, and only who may write to it, or runs it, can stop it: nothing "
         "was stopped",
         file);
-    refuse_if<std::runtime_error>(
-        data::SessionLock::held(file),
-        "{}: a session runs on it that cannot be called from here, as in another container or "
-        "network namespace: nothing was stopped; stop it there, or use the switch of its motors",
-        file);
+    refuse_if<std::runtime_error>(!beyond.empty(), "{}", beyond);
     throw std::runtime_error(file +
                              ": no session runs on it: nothing was stopped; palpate stop without a "
                              "file stops all of yours");

@@ -286,12 +286,16 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
                                     : -1);
     std::vector<Descriptor> lines;
     StopResult stopped;
+    int of_file = database && identity_of(*database) ? kSessions : 0;  // its names come first
     for (const std::string& name : session_names(database)) {
-        if (Descriptor line = connect_to(name); line.get() >= 0) {
+        Descriptor line = connect_to(name);
+        const bool is_there = line.get() >= 0 || errno == EAGAIN;
+        stopped.on_file += of_file-- > 0 && is_there ? 1U : 0U;
+        if (line.get() >= 0) {
             send_line(line.get(), database ? R"({"do":"stop"})" : R"({"do":"stop","people":true})",
                       right.get());
             lines.push_back(std::move(line));
-        } else if (errno == EAGAIN) {
+        } else if (is_there) {
             ++stopped.uncalled;
         }
     }

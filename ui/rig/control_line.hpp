@@ -134,6 +134,7 @@ struct StopResult {
     std::size_t refused = 0;
     std::size_t silent = 0;    ///< hang, and did not answer within 2 s
     std::size_t uncalled = 0;  ///< hang, and so many call that one more does not get through
+    std::size_t on_file = 0;   ///< of all these: sessions on the database, not before one
 };
 
 /// Stops the sessions that run on a database, or, without one, every session that this user may
