@@ -191,6 +191,7 @@ void Database::open(Access access) {
     if (one_byte || first_page(connection_.handle) == FirstPage::theirs) {
         not_ours(connection_.file);
     }
+    require_log();
     if (access != Access::write && lies_still(plain_name(connection_.file))) {
         connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }

@@ -90,6 +90,7 @@ public:
 
 private:
     void rescue_deleted();
+    void require_log();
 
     struct Identity {
         std::int64_t application = 0;

@@ -31,7 +31,48 @@ bool made_private(const std::string& name) {
     return made >= 0 && close(made) == 0;
 }
 
+/// Another program has the file open: for as long as its log is, SQLite keeps one of these bytes
+/// locked (SHARED_FIRST and SHARED_SIZE of its os.h). Only before this connection locks any, for
+/// closing a second descriptor drops the locks.
+bool is_in_use(const std::string& file) {
+    struct flock bytes {};
+    bytes.l_type = F_WRLCK;
+    bytes.l_whence = SEEK_SET;
+    bytes.l_start = 0x40000002;
+    bytes.l_len = 510;
+    const int there = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool found = there >= 0 && fcntl(there, F_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
+    if (there >= 0) {
+        close(there);
+    }
+    return found;
+}
+
 }  // namespace
+
+/// Of a file that others have open the log has a name, but for the moment in which it gets one or
+/// loses it. Without one a second log would be begun, of which they know nothing.
+void Database::require_log() {
+    constexpr int kPauseMs = 5;
+    constexpr int kMomentMs = 100;
+    constexpr int kLogAt = 18;  // of the header: 2 where a log is kept
+    const std::string name = sqlite3_db_filename(connection_.handle, "main");
+    sqlite3_file* file = nullptr;
+    sqlite3_file_control(connection_.handle, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+    char kind = 0;
+    for (int waited = 0; file->pMethods->xRead(file, &kind, 1, kLogAt) == SQLITE_OK && kind == 2 &&
+                         access((name + "-wal").c_str(), F_OK) != 0 && is_in_use(name);
+         waited += kPauseMs) {
+        if (waited >= kMomentMs) {
+            throw StoreError(
+                fmt::format("{0}: another program uses it, and its log, {0}-wal, was deleted: it "
+                            "is neither read nor written; end that program, which keeps what it "
+                            "recorded as {0}.rescued",
+                            connection_.file));
+        }
+        sqlite3_sleep(kPauseMs);
+    }
+}
 
 void Database::rescue_deleted() {
     if (in_memory_ || !was_deleted(sqlite3_db_filename(connection_.handle, "main"))) {
