@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "engine/base/refuse.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/statement.hpp"
 
@@ -62,6 +64,20 @@ void Connection::fail(std::string_view doing) const {
         throw DiskError(text);
     }
     throw StoreError(text);
+}
+
+void require_sound_pages(const Connection& file) {
+    for (const TableManual& table : catalogue()) {
+        if (table.view || table.name == "trace_chunk") {
+            continue;
+        }
+        Statement check(file, fmt::format("PRAGMA main.quick_check({})", table.name));
+        check.step();
+        refuse_if<StoreError>(check.text(0) != "ok",
+                              "{}: the file is damaged ({}): keep it, and restore a copy; palpate "
+                              "verify says what of it can be read",
+                              file.file, check.text(0));
+    }
 }
 
 }  // namespace palpate::data

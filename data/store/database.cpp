@@ -263,6 +263,9 @@ void Database::check_schema(Access access) {
     if (access != Access::write && !found.empty()) {
         remark_schema(connection_, found);
     }
+    if (access == Access::read && ordered_elsewhere(connection_).empty()) {
+        require_sound_pages(connection_);
+    }
 }
 
 void Database::create() {

@@ -28,8 +28,8 @@ public:
     ///
     /// What a file brings is data, never a program: none of its triggers runs. Its schema is
     /// compared with the catalogue. write refuses a trigger on our tables and whatever of ours is
-    /// another. read refuses tables of ours that are others; for views that are, it remarks so,
-    /// makes our own and looks into none of the file's.
+    /// another. read refuses tables of ours that are others, and damaged pages but those of ticks;
+    /// for views that are others, it remarks so, makes our own and looks into none of the file's.
     /// @throws StoreError for a file that is no palpate database or has another schema (both stay
     ///         as they are, their logs too), one that cannot be opened, or whose schema is refused
     Database(std::string file, Access access);

@@ -58,6 +58,10 @@ struct Connection {
     void execute(const char* sql) const;
 };
 
+/// Of a damaged page fewer rows may be read, and nothing said: each is looked at, but for those of
+/// ticks, which have sums of their own. @throws StoreError by the first one
+void require_sound_pages(const Connection& file);
+
 /// A name of a table or column as SQL takes it, whatever it holds: in ", each " twice.
 [[nodiscard]] std::string quoted_name(std::string_view name);
 /// A text of a statement as SQL takes it: in ', each ' twice.

@@ -131,6 +131,34 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     CHECK(row.integer(0) == 0);
 }
 
+TEST_CASE("of a file with a damaged page nothing is said but that it is damaged", "[store][law]") {
+    const LabFiles files;
+    const std::string file = files.with("SELECT 1");
+    const std::string page = GENERATE("participant", "response", "study", "session");
+    const long long at =
+        std::stoll(lab_sqlite(file,
+                              "SELECT 4096 * (rootpage - 1) FROM sqlite_schema WHERE "
+                              "name = '" +
+                                  page + "'"));
+    {  // its cells are there, and none is counted
+        std::fstream edited(file, std::ios::binary | std::ios::in | std::ios::out);
+        edited.seekp(at + 3).write("\0\0", 2);
+    }
+    for (const Words& words :
+         std::vector<Words>{{"summary", file},
+                            {"participant", file},
+                            {"status", file},
+                            {"stats", file, "--kind", "simulated"},
+                            {"export", file, "--kind", "all", "-o", files.folder.file("shared")},
+                            {"merge", files.folder.file("all.sqlite"), file}}) {
+        CAPTURE(page, words.front());
+        const Finished done = ran(words, 1);
+        CHECK(done.out.empty());
+        CHECK_THAT(done.error, Has("the file is damaged", "restore a copy"));
+    }
+    ran({"verify", file}, 1);
+}
+
 TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store][merge][law]") {
     const LabFiles files;
     const std::string file = files.with(
