@@ -11,6 +11,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
+#include "data/store/session_lock.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
 
@@ -240,6 +241,18 @@ void leave_undestroyed(std::vector<SessionMerge>& order,
     });
 }
 
+/// A session that a program runs in the file, and would go on from what is not there any more.
+bool runs(const SessionMerge& one, std::vector<MergeConflict>& conflicts) {
+    if (one.own == nullptr || !SessionLock::held(*one.own->database, one.own->id)) {
+        return false;
+    }
+    conflicts.push_back({.what = called(*one.own) + ": it runs now, and would not hear of it",
+                         .first = one.own->file,
+                         .second = one.last->file,
+                         .remedy = "end it, and merge again"});
+    return true;
+}
+
 /// What cannot be brought, or is there already.
 void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, MergeReport& report) {
     leave_undestroyed(order, people, report.conflicts);
@@ -251,6 +264,7 @@ void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, Merg
     report.same = std::erase_if(order, [](const SessionMerge& one) {
         return one.own == one.last || (one.own != nullptr && became(*one.last, *one.own));
     });
+    std::erase_if(order, [&](const SessionMerge& one) { return runs(one, report.conflicts); });
     std::erase_if(order,
                   [&](const SessionMerge& one) { return !whole(*one.last, report.conflicts); });
 }

@@ -29,6 +29,7 @@ struct MergeReport {
 /// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
+/// - a session of `file` that a program runs, and another file has gone on with;
 /// - all that `inputs` have of a participant of whom two files tell differently what was noted at
 ///   one time, unless one is `prefer`; of notes of several times the newest is kept, of consent the
 ///   refusal (see PeopleMerge), and a notice says so.

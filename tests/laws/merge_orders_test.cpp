@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "data/store/database.hpp"
+#include "data/store/session_lock.hpp"
 #include "tests/support/program.hpp"
 
 using namespace palpate;
@@ -140,4 +141,18 @@ TEST_CASE("of notes of several times the newest is kept, in any order", "[merge]
         CHECK(done.code == 1);
         CHECK_THAT(done.error, Has("noted at one time"));
     });
+}
+
+TEST_CASE("a session that runs is not changed by a merge", "[merge][law]") {
+    const Study study;
+    const std::string later = study.noted("later.sqlite", study.whole);
+    {
+        data::Database database(study.whole, data::Access::write);
+        const data::SessionLock runs(database, 1);
+        CHECK_THAT(ran({"merge", study.whole, later}, 1).error,
+                   Has("it runs now", "end it, and merge again"));
+    }
+    CHECK(left_of(study.whole) == "10,0,73\n");
+    ran({"merge", study.whole, later});
+    CHECK(left_of(study.whole) == "10,1,73\n");
 }

@@ -39,6 +39,12 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     }
     const std::vector<std::string> refuses{"participant", session.file, "P1", "--consent", "no"};
     CHECK_THAT(tests::palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
+    const TemporaryFolder folder;
+    const std::string other = folder.file("other.sqlite");
+    for (const auto& [into, from] : {std::pair(other, session.file), {session.file, other}}) {
+        CHECK_THAT(tests::ran({"merge", into, from}).error,
+                   Has(session.file + ": a session runs on it, and goes on"));
+    }
     session.program.signal(SIGKILL);
     CHECK(follows.wait().code == 0);
     CHECK(tests::palpate_command(refuses).error.empty());

@@ -7,6 +7,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "data/store/session_lock.hpp"
 #include "data/store/session_store.hpp"
 #include "data/sync/merge.hpp"
 #include "ui/command/command.hpp"
@@ -150,6 +151,15 @@ std::string preferred(const MergeOptions& options) {
 int run(const MergeOptions& options) {
     if (options.expect > 0) {
         expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
+    }
+    for (const std::string& file : options.inputs) {
+        if (data::SessionLock::held(file)) {
+            warn("{}: a session runs on it, and goes on: merge again when it has ended", file);
+        }
+    }
+    if (data::SessionLock::held(options.database)) {
+        warn("{}: a session runs on it, and goes on, whatever the others note of its participant",
+             options.database);
     }
     const data::MergeReport done =
         data::merge_files(options.database, options.inputs, preferred(options));
