@@ -129,6 +129,39 @@ std::set<std::string> doubled(const std::vector<SessionMerge>& all,
     return found;
 }
 
+/// Whom palpate simulate makes, from midnight of 1 January 2000 on, follows from a secret, too: of
+/// two secrets and one code there are two people.
+void part_simulated(const std::vector<SessionMerge>& all,
+                    PeopleMerge& people,
+                    std::vector<MergeConflict>& conflicts) {
+    std::map<std::string, std::pair<std::string, const SessionVersion*>> first;
+    for (const SessionMerge& each : all) {
+        const SessionVersion& one = *each.last;
+        Statement row = one.database->prepare(
+            "SELECT secret FROM session WHERE session_id = ?1 AND session_kind = 'simulated' AND "
+            "started_utc LIKE '2000-01-01T%'",
+            one.id);
+        if (!row.step()) {
+            continue;
+        }
+        const auto [there, is_new] = first.emplace(one.participant, std::pair(row.text(0), &one));
+        if (is_new || there->second.first == row.text(0) ||
+            people.in_conflict().contains(one.participant)) {
+            continue;
+        }
+        people.leave_out(one.participant);
+        conflicts.push_back(
+            {.what = fmt::format("{}: simulated with another secret than session {} of {}: they "
+                                 "are two people of one code",
+                                 called(one), there->second.second->number,
+                                 there->second.second->study_name),
+             .first = there->second.second->file,
+             .second = one.file,
+             .remedy = "simulate one of them again with the --secret of the other, or merge files "
+                       "of each secret by themselves"});
+    }
+}
+
 /// What a session says is what was recorded, by its chain of hashes; if not, that is a conflict.
 bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts) {
     if (chain_breaks(*session.database, session.id).empty()) {
@@ -283,6 +316,7 @@ bool merge_into(Database& out,
         collect(input->database, input->name, layout, people, all);
     }
     std::vector<SessionMerge> order = in_order(all, out, prefer, people, report);
+    part_simulated(order, people, report.conflicts);
     people.settle();
     std::ranges::copy(people.conflicts(), std::back_inserter(report.conflicts));
     std::ranges::copy(people.notices(), std::back_inserter(report.notices));

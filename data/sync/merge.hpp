@@ -30,6 +30,7 @@ struct MergeReport {
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - a session of `file` that a program runs, and another file has gone on with;
+/// - all of a participant of palpate simulate of two secrets, who are two people;
 /// - all that `inputs` have of a participant of whom two files tell differently what was noted at
 ///   one time, unless one is `prefer`; of notes of several times the newest is kept, of consent the
 ///   refusal (see PeopleMerge), and a notice says so.

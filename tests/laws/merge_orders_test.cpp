@@ -156,3 +156,25 @@ TEST_CASE("a session that runs is not changed by a merge", "[merge][law]") {
     ran({"merge", study.whole, later});
     CHECK(left_of(study.whole) == "10,1,73\n");
 }
+
+TEST_CASE("simulated people of one code and two secrets are two people, and a merge says so",
+          "[merge][law]") {
+    const TemporaryFolder folder;
+    const auto simulated = [&](const char* name, const std::string& protocol,
+                               const std::string& secret) {
+        std::string file = folder.file(name);
+        ran({"simulate", protocol, "--participants", "1", "--db", file, "--secret", secret});
+        return file;
+    };
+    const std::string demo = "shape_friction_demo";
+    const std::string one = simulated("one.sqlite", kFourTrials, kRunSecret);
+    const std::string other = simulated("other.sqlite", demo, std::string(32, 'a'));
+    const std::string both = folder.file("both.sqlite");
+    ran({"merge", both, one, simulated("same.sqlite", demo, kRunSecret)});
+    const std::string all = folder.file("all.sqlite");
+    CHECK_THAT(ran({"merge", all, one, other}, 1).error,
+               Has("they are two people of one code", one, other, "not merged"));
+    CHECK(left_of(all) == "0,0,\n");
+    CHECK_THAT(ran({"merge", both, other}, 1).error, Has("two people of one code"));
+    CHECK(left_of(both) == "14,0,\n");
+}
