@@ -45,6 +45,14 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
         CHECK_THAT(tests::ran({"merge", into, from}).error,
                    Has(session.file + ": a session runs on it, and goes on"));
     }
+    const auto notes = [&] {
+        const data::Json state = session.state();
+        return state.contains("notes") ? state["notes"] : data::Json::array();
+    };
+    CHECK(tests::ran({"note", session.file, "hand rested", "--participant", "P1"}).error.empty());
+    REQUIRE(eventually([&] { return !notes().empty(); }));
+    CHECK(notes().back()["text"] == "hand rested");
+    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'note'") == "1");
     session.program.signal(SIGKILL);
     CHECK(follows.wait().code == 0);
     CHECK(tests::palpate_command(refuses).error.empty());

@@ -2,10 +2,15 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/refuse.hpp"
 #include "data/store/people.hpp"
+#include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
+#include "ui/live/live_segment.hpp"
+#include "ui/rig/control_line.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/session_choice.hpp"
 
@@ -65,6 +70,22 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
     return all.front();
 }
 
+/// The page of a session that runs shows the note as well.
+void show_note(data::Database& database, std::int64_t session, const std::string& text) {
+    if (!data::SessionLock::held(database, session)) {
+        return;
+    }
+    const std::string line = one_line(data::Json{{"do", "noted"}, {"text", text}});
+    const std::string uuid =
+        database.first("SELECT uuid FROM session WHERE session_id = ?1", session).text(0);
+    for (const RunningSession& one : running_sessions(uuid)) {
+        if (object_in(ask_session(one.name, line).line).value("ok", false)) {
+            return;
+        }
+    }
+    warn("the session runs, and its page does not show this note; the file has it");
+}
+
 void declare_note(CommandWords& words, NoteOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TEXT", options.text, "The note").required().kept_text();
@@ -82,6 +103,7 @@ int note(const NoteOptions& options) {
     const data::SessionRow session = session_of(database, options);
     const std::string head =
         data::add_note(database, session.id, options.text, options.operator_name);
+    show_note(database, session.id, options.text);
     say("Noted in session {} of {}, study {}.\nSeal {}: note it in the lab book.\n", session.number,
         options.participant, plain(session.study), head);
     return 0;

@@ -139,10 +139,10 @@ void LiveSession::answer_page(const Caller& caller) {
 
 void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& caller) {
     using Obey = std::pair<std::string_view, void (LiveSession::*)(const Asked&)>;
-    constexpr std::array kObeyed{Obey{"pause", &LiveSession::pause},
-                                 Obey{"go on", &LiveSession::go_on},
-                                 Obey{"mark", &LiveSession::mark}, Obey{"note", &LiveSession::note},
-                                 Obey{"reveal", &LiveSession::reveal}};
+    constexpr std::array kObeyed{
+        Obey{"pause", &LiveSession::pause}, Obey{"go on", &LiveSession::go_on},
+        Obey{"mark", &LiveSession::mark},   Obey{"note", &LiveSession::note},
+        Obey{"noted", &LiveSession::noted}, Obey{"reveal", &LiveSession::reveal}};
     const data::Json asked = object_in(line);
     const std::string what = text_in(asked, "do");
     const std::string text = text_in(asked, what == "mark" ? "reason" : "text");
@@ -159,7 +159,7 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
         caller->answer(false, fmt::format("{} bytes: {} are the most", text.size(), kLongestText));
     } else if (what == "note" && trimmed(text, " \t\r\n").empty()) {
         caller->answer(false, "the note is empty: say it in a few words");
-    } else if (obeyed == kObeyed.end()) {
+    } else if (obeyed == kObeyed.end() || (what == "noted" && asked.contains("page"))) {
         caller->answer(
             false,
             "\"do\" is stop, state, page, pause, go on, mark, note, end or reveal: nothing "
@@ -215,6 +215,11 @@ void LiveSession::note(const Asked& asked) {
     board_->noted(asked.text);
     recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial_},
                           [caller = asked.caller] { caller->answer(true, "noted"); });
+}
+
+void LiveSession::noted(const Asked& asked) {
+    board_->noted(asked.text);
+    asked.caller->answer(true, "shown");
 }
 
 /// Nothing is shown before the file says that it is.

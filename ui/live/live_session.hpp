@@ -52,8 +52,8 @@ public:
     void marked(const protocols::MarkReply& reply);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
-    /// "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}. On the
-    /// socket's thread.
+    /// "noted" | "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}.
+    /// "noted" is in the file already, and is shown. On the socket's thread.
     void hear(const std::string& line, const std::shared_ptr<Caller>& caller);
 
 private:
@@ -82,6 +82,7 @@ private:
     void go_on(const Asked& asked);
     void mark(const Asked& asked);
     void note(const Asked& asked);
+    void noted(const Asked& asked);
     void reveal(const Asked& asked);
 
     protocols::OperatorDesk& desk_;
