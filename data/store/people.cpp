@@ -244,21 +244,26 @@ std::vector<NoteBreak> note_breaks(Database& database) {
     // A session's last word on each is what was noted last: a note goes to all sessions that are
     // there.
     Statement row = database.prepare(
-        "SELECT DISTINCT participant_code, key, stored, value FROM (SELECT participant_code, key, "
-        "value, coalesce(noted_utc, at_utc) AS word_utc, iif(key = 'handedness', CAST(handedness "
+        "SELECT DISTINCT participant_code, key, stored, value, coalesce(stored_utc > word_utc OR "
+        "(stored = 'no' AND stored_utc <> word_utc), 0) AS later FROM (SELECT participant_id, "
+        "participant_code, key, value, coalesce(noted_utc, at_utc) AS word_utc, iif(key = "
+        "'handedness', CAST(handedness "
         "AS TEXT), iif(consent, 'yes', 'no')) AS stored, iif(key = 'handedness', handedness_utc, "
         "consent_utc) AS stored_utc, row_number() OVER (PARTITION BY session_id, key ORDER BY "
         "event_id DESC) AS back FROM event JOIN session USING (session_id) JOIN participant USING "
         "(participant_id) WHERE event_kind = 'participant' AND key IN ('handedness', 'consent') "
         "AND value IS NOT NULL AND event_id > (SELECT coalesce(max(moved.event_id), 0) FROM event "
         "AS moved WHERE moved.session_id = session.session_id AND moved.event_kind = 'participant' "
-        "AND moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
-        "word_utc OR (stored = 'no' AND stored_utc <> word_utc), 0) ORDER BY 1, 2",
+        "AND moved.key = ?1)) AS word WHERE back = 1 AND stored IS NOT value AND NOT (later AND "
+        "EXISTS (SELECT 1 FROM event JOIN session USING (session_id) WHERE session.participant_id "
+        "= word.participant_id AND event_kind = 'participant' AND event.key = word.key AND "
+        "event.value = stored AND coalesce(noted_utc, at_utc) = stored_utc)) ORDER BY 1, 2",
         kIsReally);
     return row.all([](const Statement& one) {
         return NoteBreak{.what = fmt::format("participant {} {}", one.text(0), one.text(1)),
                          .stored = one.null(2) ? "NULL" : one.text(2),
-                         .noted = one.text(3)};
+                         .noted = one.text(3),
+                         .later = one.integer(4) != 0};
     });
 }
 

@@ -60,14 +60,15 @@ void note_participant(Database& database,
 void note_at_beginning(Database& database, std::int64_t session);
 
 /// Where what is noted of a participant is not what the events of their sessions say: those since
-/// the session is theirs, unless it was noted after them, in a file that was merged, or is a
-/// refusal of another time.
+/// the session is theirs.
 struct NoteBreak {
     std::string what;    ///< "participant P01 handedness"
     std::string stored;  ///< in the participant's row
     std::string noted;   ///< by the last such event
+    bool later = false;  ///< noted after it, or a refusal of another time: in a file that was
+                         ///< merged, or by who edits the time as well
 };
-/// All of them, of a file that nobody tampered with none.
+/// All of them; of a file that nobody tampered with none but later ones.
 [[nodiscard]] std::vector<NoteBreak> note_breaks(Database& database);
 
 /// A session in a list.

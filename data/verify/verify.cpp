@@ -82,7 +82,14 @@ void check_schema(Database& database, Findings& findings) {
 /// session that became another's was with somebody else then.
 void check_people(Database& database, Findings& findings) {
     for (const NoteBreak& at : note_breaks(database)) {
-        findings.differs(at.what, at.stored, at.noted + ", as an event of the session says");
+        const std::string says = at.noted + ", as an event of the session says";
+        if (at.later) {
+            findings.missing(at.what, fmt::format("{}, and not {}: it was noted later in a file "
+                                                  "that was merged, or edited with its time",
+                                                  at.stored, says));
+        } else {
+            findings.differs(at.what, at.stored, says);
+        }
     }
     for (const StoredRow& note : rows_of(
              database,

@@ -190,6 +190,22 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     verified_head(file);
 }
 
+TEST_CASE("consent that was edited together with its time is said by verify", "[verify][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    said({"participant", file, "P1", "--new", "--consent", "yes", "--handedness", "80"});
+    said(run_words(kFourTrials, "P1", file, {"--headless"}));
+    said({"participant", file, "P1", "--consent", "no"});
+    CHECK_THAT(said({"verify", file}), !Has("missing  participant"));
+    data::Database(file, data::Access::write)
+        .execute(
+            "UPDATE participant SET consent = 1, consent_utc = '2099-01-01T00:00:00.000Z', "
+            "handedness = 8, handedness_utc = '2099-01-01T00:00:00.000Z'");
+    CHECK_THAT(said({"verify", file}),
+               Has("missing  participant P1 consent: yes, and not no, as an event",
+                   "missing  participant P1 handedness: 8, and not 80, as an event"));
+}
+
 TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {
     const TemporaryFolder folder;
     const std::string clean = folder.file("clean.sqlite");
