@@ -56,12 +56,12 @@ struct ManyHips::Loops {
 
 ManyHips::ManyHips(const PantographSpec& machine) noexcept
     : linkage_(machine.linkage), frame_(machine.origin, machine.turn) {
-    constexpr double kMostCounts = -static_cast<double>(std::numeric_limits<std::int32_t>::min());
+    constexpr double kLargestCount = -static_cast<double>(std::numeric_limits<std::int32_t>::min());
     near_ = true;
     for (std::size_t i = 0; i < 2; ++i) {
         zero_[i] = machine.axes[i].zero;
         count_[i] = machine.axes[i].count_angle();
-        const double largest = std::fabs(zero_[i]) + kMostCounts * count_[i];
+        const double largest = std::fabs(zero_[i]) + kLargestCount * count_[i];
         near_ = near_ && quarters_of(largest) + 1.0 < kMaxQuarters;
     }
 }
