@@ -80,7 +80,7 @@ public:
     /// What is known of it before it is used; the same for its whole life.
     [[nodiscard]] virtual DeviceTraits traits() const noexcept { return {}; }
     /// The force that the motors can give in every direction with the handle at `hip`, m, N. None:
-    /// no limit is known, or the handle cannot be there. A machine in the plane ignores z.
+    /// the handle cannot be there, or the device gives no force. A machine in the plane ignores z.
     [[nodiscard]] virtual std::optional<double> weakest_force(const Vec3& hip) const noexcept {
         static_cast<void>(hip);
         return std::nullopt;

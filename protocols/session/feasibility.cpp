@@ -133,15 +133,14 @@ void check_workspace(const Protocol& protocol,
     if (outside != spots.end()) {
         findings.push_back(
             {Verdict::refuse,
-             fmt::format("the handle cannot reach {} of object \"{}\": move or shrink the object "
-                         "({}), or {}",
-                         point_text(outside->point, space), outside->object->name,
-                         space
-                             ? "surface.size_mm, curvature_per_m"
-                             : "outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm",
-                         space ? "widen low_mm and high_mm of the axes in the calibration if the "
-                                 "machine has the way"
-                               : "the origin in the calibration")});
+             fmt::format(
+                 "the handle cannot reach {} of object \"{}\": move or shrink the object "
+                 "({}), or {}",
+                 point_text(outside->point, space), outside->object->name,
+                 space ? "surface.size_mm, curvature_per_m"
+                       : "outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm",
+                 space ? "correct home_mm, low_mm and high_mm of the axes in the calibration"
+                       : "correct origin_mm, turn_deg and the links in the calibration")});
     }
     if (!start_in_reach) {
         findings.push_back(
@@ -226,13 +225,8 @@ std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::D
     check_passivity(with_all_dampers(protocol), traits, findings);
     const std::vector<Spot> known = spots(protocol, device);
     const bool start = device.weakest_force(start_of(protocol)).has_value();
-    const bool knows = start || std::any_of(known.begin(), known.end(), [](const Spot& spot) {
-                           return spot.force.has_value();
-                       });
-    if (knows) {
-        check_workspace(protocol, known, start, findings);
-        check_force(protocol, known, findings);
-    }
+    check_workspace(protocol, known, start, findings);
+    check_force(protocol, known, findings);
     return findings;
 }
 

@@ -31,8 +31,7 @@ struct Finding {
 /// the rate that would do; an unknown b is a warning with the b that is needed.
 ///
 /// Workspace: every outline, sampled every 1/64 of a side, and the start pose must be within reach,
-/// or it is refused with the first point that is not. A device that knows no force at any of these
-/// points is taken to know nothing of its workspace.
+/// or it is refused with the first point that is not.
 ///
 /// Force: where the device gives less in its weakest direction than force_limit_n somewhere on an
 /// outline, a warning says how deep one can press there before it clips.

@@ -1,4 +1,4 @@
-#include "engine/device/pantograph.hpp"
+#include "engine/device/machine.hpp"
 #include "engine/device/pointer_device.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/session/feasibility.hpp"
@@ -11,14 +11,13 @@ using namespace palpate::protocols;
 
 namespace {
 
-/// A device with the traits asked for and the force of a pantograph, of a disc, or none that is
-/// known.
+/// A device with the traits asked for and the force of a machine, or of a disc.
 class FakeDevice : public engine::Device {
 public:
     engine::DeviceTraits what{};
-    const engine::Pantograph* pantograph = nullptr;
-    double reach = 0.0;             ///< m around the origin; 0: knows nothing of its workspace
-    double force = 0.0;             ///< N within the reach
+    const engine::Machine* machine = nullptr;
+    double reach = 1.0;             ///< m around the origin
+    double force = 100.0;           ///< N within the reach
     std::optional<double> error{};  ///< m, of a reading
 
     engine::Reading read() noexcept override { return {}; }
@@ -26,8 +25,8 @@ public:
     [[nodiscard]] std::string name() const override { return "fake"; }
     [[nodiscard]] engine::DeviceTraits traits() const noexcept override { return what; }
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
-        if (pantograph != nullptr) {
-            return pantograph->weakest_force(Vec2(hip));
+        if (machine != nullptr) {
+            return machine->weakest_force(hip);
         }
         return glm::length(hip) < reach ? std::optional<double>(force) : std::nullopt;
     }
@@ -170,6 +169,37 @@ TEST_CASE("an object or a start pose out of reach is refused with the point", "[
     CHECK_THAT(findings[0].text, Has("(-40.0, 0.0) mm", "\"concave\""));
 }
 
+TEST_CASE("a machine that reaches nothing of a study is refused, in the plane and in space",
+          "[feasibility][law]") {
+    engine::Calibration small;  // its lengths were given in metres
+    engine::FiveBar& links = small.pantograph.linkage;
+    for (double* length :
+         {&links.driven_1, &links.driven_2, &links.free_1, &links.free_2, &links.base}) {
+        *length *= 1e-3;
+    }
+    engine::Calibration high;
+    for (engine::StraightAxis& axis : high.gantry.emplace().axes) {
+        axis.low = 0.045;
+        axis.high = 0.12;
+        axis.home = 0.1;
+    }
+    const bool space = GENERATE(false, true);
+    Protocol protocol = felt_study();
+    if (space) {
+        protocol.surface.emplace();
+    }
+    const engine::Machine machine(space ? high : small);
+    FakeDevice device;
+    device.what.damping = 1.0;
+    device.machine = &machine;
+    const auto findings = check_feasibility(protocol, device);
+    REQUIRE(findings.size() == 2);
+    CHECK((findings[0].verdict == Verdict::refuse));
+    CHECK_THAT(findings[0].text, Has("cannot reach (", space ? "home_mm" : "origin_mm"));
+    CHECK((findings[1].verdict == Verdict::refuse));
+    CHECK_THAT(findings[1].text, Has("cannot reach the start pose"));
+}
+
 TEST_CASE("a weak device is a warning that says from where on the force clips", "[feasibility]") {
     FakeDevice device;
     device.what.damping = 1.0;
@@ -184,10 +214,10 @@ TEST_CASE("a weak device is a warning that says from where on the force clips", 
 }
 
 TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibility]") {
-    const engine::Pantograph pantograph{engine::PantographSpec{}};
+    const engine::Machine pantograph{engine::Calibration{}};
     FakeDevice device;
     device.what.damping = 1.0;
-    device.pantograph = &pantograph;
+    device.machine = &pantograph;
     Protocol protocol = felt_study();
     // By hand: the least over both outlines, walked as polylines of 20 um.
     double least = 1e9;
@@ -196,8 +226,8 @@ TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibi
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Vec2 next = points[(i + 1) % points.size()];
             for (int k = 0; k < 100; ++k) {
-                const auto force =
-                    pantograph.weakest_force(points[i] + (next - points[i]) * (k / 100.0));
+                const auto force = pantograph.weakest_force(
+                    Vec3(points[i] + (next - points[i]) * (k / 100.0), 0.0));
                 REQUIRE(force.has_value());
                 least = std::min(least, *force);
             }
