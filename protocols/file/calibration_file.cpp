@@ -196,7 +196,8 @@ RigFile load_rig(const std::string& name_or_file) {
             found.size());
         refuse_if<ProtocolError>(rig.record && !seal_holds(text),
                                  "{}:1:1: the file was changed after the rig was commissioned: run "
-                                 "palpate commission again, or take the table [commissioning] out",
+                                 "palpate commission again, or take the table [commissioning] out "
+                                 "and damping_n_s_per_m, which it measured",
                                  name_or_file);
         rig.calibration = std::move(found.front());
         return rig;

@@ -1,6 +1,7 @@
 #include "engine/math/elementary.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/rig_file.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -89,6 +90,25 @@ TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[ca
     CHECK(folder.names().empty());
     CHECK(calibrate("--mark 0,0").code == 2);
     CHECK(calibrate("-o " + folder.file("no/such/folder.toml")).code != 0);
+}
+
+TEST_CASE("calibrate leaves a commissioning record as it is, and takes no damping from one",
+          "[calibrate][commission][law]") {
+    const TemporaryFolder folder;
+    const std::string rig = commissioned_rig(folder, "haply:/dev/one", "mk2");
+    const std::string before = slurp(rig);
+    for (const std::string& preset : {std::string("mk2"), "'" + rig + "'"}) {
+        CAPTURE(preset);
+        check_end(calibrate("--preset " + preset + " -o '" + rig + "'"), 2,
+                  Has("rig.toml is the commissioning record of haply:/dev/one: give another file"));
+        CHECK(slurp(rig) == before);
+    }
+    const std::string other = folder.file("other.toml");
+    const Finished run = calibrate("--preset '" + rig + "' -o '" + other + "'");
+    CAPTURE(run.out, run.error);
+    REQUIRE(run.code == 0);
+    CHECK_THAT(run.out, Has("left out damping_n_s_per_m, which was measured on haply:/dev/one"));
+    CHECK_FALSE(protocols::load_calibration(other).pantograph.damping);
 }
 
 TEST_CASE("a session whose calibration cannot be is refused before a file is made",

@@ -145,8 +145,24 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
     return readings;
 }
 
+/// What is known beforehand. A damping that was measured on a commissioned rig goes with its record.
+engine::Calibration preset_of(const CalibrateOptions& options) {
+    const auto there = record_in(options.output);
+    refuse_if(there.has_value(),
+              "{} is the commissioning record of {}: give another file to -o, or delete it",
+              options.output, there ? there->device : "");
+    protocols::RigFile preset = protocols::load_rig(options.preset);
+    if (preset.record) {
+        preset.calibration.pantograph.damping.reset();
+        say("{}: left out damping_n_s_per_m, which was measured on {}: palpate commission measures "
+            "it\n",
+            options.output, preset.record->device);
+    }
+    return preset.calibration;
+}
+
 int run(const CalibrateOptions& options) {
-    engine::Calibration calibration = protocols::load_calibration(options.preset);
+    engine::Calibration calibration = preset_of(options);
     refuse_if(calibration.gantry.has_value(),
               "--preset {}: straight axes have no zeros to be found: write home_mm of each axis "
               "into the file by a rule, then palpate commission proves it",
