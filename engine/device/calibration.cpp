@@ -25,9 +25,9 @@ void above_zero(double value, double highest, const std::string& what) {
 void check_axis(const Axis& axis, const std::string& which) {
     above_zero(axis.counts_per_turn, kMaxCounts, "counts per turn of " + which);
     require_range(axis.zero, -4.0 * kPi, 4.0 * kPi, "encoder zero (rad) of " + which);
-    above_zero(axis.torque_limit, kMaxTorque, "torque limit (N m) of " + which);
-    above_zero(axis.torque_forever, axis.torque_limit,
-               "torque that the motor gives for ever (N m) of " + which);
+    above_zero(1e3 * axis.torque_limit, 1e3 * kMaxTorque, "torque limit (mN m) of " + which);
+    above_zero(1e3 * axis.torque_forever, 1e3 * axis.torque_limit,
+               "torque that the motor gives for ever (mN m) of " + which);
     require_range(axis.codes_full_scale, 1.0, kMaxCode, "DAC code of the torque limit of " + which);
 }
 
@@ -50,9 +50,9 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     for (std::size_t i = 0; i < 2; ++i) {
         const double torque = pantograph.axes[i].torque_limit;
         refuse_if(!(torque <= kHaplyTorque),
-                  "torque limit of axis {} is {:.9g} N m, and a Haply board gives {:.9g} at most: "
+                  "torque limit of axis {} is {:.9g} mN m, and a Haply board gives {:.9g} at most: "
                   "lower it, or take the table [haply] out if the machine hangs on another board",
-                  i + 1, torque, kHaplyTorque);
+                  i + 1, 1e3 * torque, 1e3 * kHaplyTorque);
     }
 }
 
@@ -107,9 +107,9 @@ void check(const GantrySpec& spec) {
         check_axis(axis.motor, which);
         above_zero(axis.radius, kWidestDrum, "radius (m) of the drum of " + which);
         require_range(axis.low, -kLongest, kLongest, "low end (m) of " + which);
-        above_zero(axis.high - axis.low, kLongest,
-                   "way (m) from the low to the high end of " + which);
-        require_range(axis.home, axis.low, axis.high, "home (m) of " + which);
+        above_zero(1e3 * (axis.high - axis.low), 1e3 * kLongest,
+                   "way (mm) from the low to the high end of " + which);
+        require_range(1e3 * axis.home, 1e3 * axis.low, 1e3 * axis.high, "home (mm) of " + which);
     }
     if (spec.damping) {
         require_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");

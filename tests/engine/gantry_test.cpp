@@ -95,10 +95,10 @@ TEST_CASE("numbers of a gantry that cannot be are refused with what to give",
     CHECK_THROWS_WITH(check(bad), Has("radius (m) of the drum of axis z is 0"));
     bad = good;
     bad.gantry->axes[1].home = 0.2;
-    CHECK_THROWS_WITH(check(bad), Has("home (m) of axis y is 0.2"));
+    CHECK_THROWS_WITH(check(bad), Has("home (mm) of axis y is 200"));
     bad = good;
     bad.gantry->axes[0].high = bad.gantry->axes[0].low;
-    CHECK_THROWS_WITH(check(bad), Has("way (m) from the low to the high end of axis x"));
+    CHECK_THROWS_WITH(check(bad), Has("way (mm) from the low to the high end of axis x"));
     bad = good;
     bad.board->channel = {1, 2, 2};
     CHECK_THROWS_WITH(check(bad), Has("channel of the open board is 2 for two axes"));

@@ -251,7 +251,7 @@ TEST_CASE("id 0, foreign ports and pins, and torques beyond the board are refuse
     }
     PantographSpec strong = good.pantograph;
     strong.axes[1].torque_limit = 0.124;
-    CHECK_THROWS_WITH(haply_setup(*good.haply, strong), Has("gives 0.123 at most"));
+    CHECK_THROWS_WITH(haply_setup(*good.haply, strong), Has("is 124 mN m", "gives 123 at most"));
     PantographSpec blind = good.pantograph;
     blind.axes[0].counts_per_turn = std::numeric_limits<double>::quiet_NaN();
     CHECK_THROWS_WITH(setup_packet(haply_setup(*good.haply, blind)), Has("counts a turn"));

@@ -146,7 +146,9 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
         return check.error;
     };
     CHECK_THAT(checked(beyond, "torque_limit_mn_m = 124"),
-               Has("a Haply board gives 0.123 at most"));
+               Has("is 124 mN m, and a Haply board gives 123 at most"));
+    CHECK_THAT(checked(beyond, "torque_limit_mn_m = 0.123"),
+               Has("for ever (mN m) of axis 1 is 60: give a number above 0, at most 0.123"));
     text = replaced(text, beyond, "torque_limit_mn_m = 123");
     const std::size_t counts = text.find("counts_per_turn = ");
     CHECK_THAT(

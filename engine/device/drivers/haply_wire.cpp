@@ -75,8 +75,8 @@ HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantogra
     for (std::size_t pivot = 0; pivot < 2; ++pivot) {
         const Axis& axis = pantograph.axes[pivot];
         refuse_if(!(axis.torque_limit <= kHaplyTorque),
-                  "the torque limit of pivot {} is {:.9g} N m: a Haply board gives 0.123 at most",
-                  pivot + 1, axis.torque_limit);
+                  "the torque limit of pivot {} is {:.9g} mN m: a Haply board gives 123 at most",
+                  pivot + 1, 1e3 * axis.torque_limit);
         const std::size_t slot = wiring.port[pivot] - 1U;
         setup.motor_clockwise[slot] = wiring.motor_clockwise[pivot];
         setup.encoder_clockwise[slot] = wiring.encoder_clockwise[pivot];
