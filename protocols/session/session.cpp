@@ -146,6 +146,9 @@ private:
         waited_s_ += waited ? event.duration_s.value_or(0.0) : 0.0;
         progress_ = apply(std::move(progress_), event);
         trust_ = apply(trust_, event);
+        if (const auto other = other_board(event, ports_.apparatus, board_)) {
+            happened(*other);
+        }
     }
 
     /// Force may be felt.
@@ -201,11 +204,9 @@ private:
     /// A stop while nothing is felt, and what stands against every trial, hold the session until
     /// the experimenter goes on.
     Signal check_stop() {
-        if (!wants_stop()) {
-            return Signal::go_on;
-        }
         const engine::Trip cause = engine::Trip::stopped;
-        return mended({.cause = cause, .text = std::string(explanation(cause)), .last = {}});
+        const std::string why(explanation(cause));
+        return wants_stop() ? mended({.cause = cause, .text = why, .last = {}}) : Signal::go_on;
     }
 
     Signal check_pause(const TrialView& next) {
@@ -371,6 +372,7 @@ private:
     Ports& ports_;
     SessionProgress progress_;
     RigTrust trust_;
+    std::string board_ = ports_.apparatus.identity();
     TrialRunner runner_;           ///< notes what becomes of its trials in progress_
     std::size_t rested_;           ///< answered trials at the last break, or when this run began
     std::size_t faults_ = 0;       ///< in a row

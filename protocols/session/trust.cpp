@@ -77,14 +77,12 @@ ProofStep stepped(const engine::ShortForm& form, std::string_view key, std::stri
             .refused = {}};
 }
 
-ProofStep works_again(const Apparatus& apparatus, bool anew) {
-    Event event{.kind = EventKind::reconnect, .text = "the device works"};
-    if (anew) {
-        const std::string board = apparatus.identity();
-        event.text += ", but it began anew" + (board.empty() ? "" : ": " + board);
-        event.value = kAnew;
-    }
-    return {.event = std::move(event), .refused = {}};
+ProofStep works_again(bool anew) {
+    return {
+        .event = Event{.kind = EventKind::reconnect,
+                       .text = anew ? "the device works, but it began anew" : "the device works",
+                       .value = std::string(anew ? kAnew : "")},
+        .refused = {}};
 }
 
 }  // namespace
@@ -118,14 +116,27 @@ ProofStep prove_step(Apparatus& apparatus, Trust state) {
     }
     const bool came_anew = apparatus.began_anew();
     if (state == Trust::unknown || came_anew) {
-        return works_again(apparatus, came_anew);
+        return works_again(came_anew);
     }
     ProofStep step =
         state == Trust::at_home
             ? stepped(apparatus.prove_motors(), kRigCheck, kHandleMoves)
             : stepped(apparatus.prove_place(), kStartPose, "the handle is where it should be");
     // Found right, but somewhere else.
-    return apparatus.began_anew() ? works_again(apparatus, true) : step;
+    return apparatus.began_anew() ? works_again(true) : step;
+}
+
+std::optional<Event> other_board(const Event& event,
+                                 const Apparatus& apparatus,
+                                 std::string& board) {
+    if (event.kind != EventKind::reconnect || apparatus.identity() == board) {
+        return std::nullopt;
+    }
+    board = apparatus.identity();
+    return Event{.kind = EventKind::provenance,
+                 .text = fmt::format("{}: {}", kBoard, board),
+                 .key = std::string(kBoard),
+                 .value = board};
 }
 
 HandleCheck::HandleCheck(Apparatus& apparatus, const RigTrust& trust)

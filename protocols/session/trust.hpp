@@ -31,7 +31,9 @@ inline constexpr std::string_view kStartPose = "start pose";
 inline constexpr std::string_view kRigCheck = "rig check";
 inline constexpr std::string_view kHandleMoves =
     "weak pulses moved the free handle as when it was commissioned";
-/// The value of both that proves nothing.
+/// The key of which board it is: Apparatus::identity().
+inline constexpr std::string_view kBoard = "board";
+/// The value of both proofs that proves nothing.
 inline constexpr std::string_view kRefused = "refused";
 /// The value of a reconnection after which the rig may be another one.
 inline constexpr std::string_view kAnew = "anew";
@@ -66,6 +68,11 @@ struct ProofStep {
 /// Between trials: from `state`, which is not proved, tries to reach the next one. Takes some
 /// seconds at most.
 [[nodiscard]] ProofStep prove_step(Apparatus& apparatus, Trust state);
+
+/// After a reconnection, which may be of another board. @param board  as it was; becomes what it is
+[[nodiscard]] std::optional<Event> other_board(const Event& event,
+                                               const Apparatus& apparatus,
+                                               std::string& board);
 
 /// s of a break until the handle is looked at, and until it is again after it was not right: a hand
 /// has to bring it home and let go of it.

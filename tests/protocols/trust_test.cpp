@@ -130,6 +130,7 @@ TEST_CASE(
     const std::size_t changes = in_breaks ? observer.rests.size() : kept.count[EventKind::fault];
     REQUIRE(changes >= 2);
     CHECK(kept.anew >= changes);
+    CHECK((kept.count_of_key["board"] == kept.anew && kept.board == rig.identity()));
     CHECK(kept.count[EventKind::go_on] >= changes);
     for (const TroubleView& view : observer.troubles) {
         CHECK((!view.solved || view.by_hand));

@@ -18,13 +18,15 @@ public:
         ++count[event.kind];
         count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
         causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
-        anew += event.value == kAnew && event.text.find(": id 7") != std::string::npos ? 1U : 0U;
+        anew += event.value == kAnew ? 1U : 0U;
+        board = event.key == kBoard ? event.value : board;
     }
 
     std::map<EventKind, std::size_t> count;
     std::map<std::string, std::size_t> count_of_key;
     std::map<std::string, std::size_t> causes;  ///< of faults
     std::size_t anew = 0;                       ///< reconnections of a device that began anew
+    std::string board{};                        ///< the last that was said to be another one
 
 private:
     TrialId trial_ = 0;
@@ -61,7 +63,7 @@ public:
         return FaultyApparatus::trip() == Trip::over_speed ? cause_ : FaultyApparatus::trip();
     }
     [[nodiscard]] bool has_proof() const noexcept override { return true; }
-    [[nodiscard]] std::string identity() const override { return "id 7"; }
+    [[nodiscard]] std::string identity() const override { return fmt::format("id {}", board_); }
     [[nodiscard]] bool began_anew() override { return std::exchange(anew_, false); }
     [[nodiscard]] engine::ShortForm prove_place() override {
         CHECK_FALSE(force_on);
@@ -81,6 +83,7 @@ public:
     void change() {
         placed = pulsed = false;
         anew_ = begins_anew;
+        board_ += begins_anew ? 1 : 0;
         places_left_ = pulses_left_ = wrong_;
     }
 
@@ -100,6 +103,7 @@ private:
                      : engine::ShortForm{.refused = why, .found = {}};
     }
     bool anew_ = false;
+    int board_ = 0;
     bool asks_mark_ = false;
     int wrong_;
     Trip cause_;
