@@ -110,20 +110,22 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
     if (!spec.operator_name.empty() && there.operator_name != spec.operator_name) {
         goes_on(protocols::EventKind::experimenter, spec.operator_name);
     }
-    Statement row = database.prepare(
-        "SELECT value FROM (SELECT coalesce(value, '') AS value, event_id FROM event WHERE "
-        "session_id = ?1 AND event_kind = 'provenance' AND key = ?2 UNION ALL SELECT value, 0 FROM "
-        "session_provenance WHERE session_id = ?1 AND key = ?2) ORDER BY event_id DESC LIMIT 1");
-    for (const auto& [key, value] : with_none(database, there.id, spec.provenance)) {
-        const bool same = row.bind(1, there.id).bind(2, key).step() && row.text(0) == value;
-        row.reset();
-        if (!same) {
-            add_event(database, there.id,
-                      {.kind = protocols::EventKind::provenance,
-                       .text = fmt::format("{}: {}", key, value.empty() ? "none" : value),
-                       .key = key,
-                       .value = value});
+    const auto holds = [&](const std::string& key, const std::string& value) {
+        add_event(database, there.id,
+                  {.kind = protocols::EventKind::provenance,
+                   .text = fmt::format("{}: {}", key, value.empty() ? "none" : value),
+                   .key = key,
+                   .value = value});
+    };
+    Provenance before = next_provenance(database, there.id);
+    for (const auto& [key, value] : spec.provenance) {
+        const auto said = before.extract(key);
+        if ((said ? said.mapped() : "") != value) {
+            holds(key, value);
         }
+    }
+    for (const auto& [key, value] : before) {  // what it goes on with has none
+        holds(key, "");
     }
 }
 

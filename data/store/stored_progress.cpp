@@ -10,6 +10,7 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "protocols/session/trust.hpp"
 #include "data/store/chain.hpp"
 
 namespace palpate::data {
@@ -273,21 +274,29 @@ bool same_rig(const TrialDevice& a, const TrialDevice& b) {
     return kind(a) == kind(b) && a.calibration == b.calibration;
 }
 
-std::vector<std::pair<std::string, std::string>> with_none(
-    Database& database,
-    std::int64_t session,
-    std::vector<std::pair<std::string, std::string>> made) {
+Provenance first_provenance(Database& database, std::int64_t session) {
+    Provenance begun;
     Statement row = database.prepare(
-        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%' "
-        "UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance' AND key "
-        "LIKE 'calibration%'",
-        session);
+        "SELECT key, value FROM session_provenance WHERE session_id = ?1", session);
     while (row.step()) {
-        if (std::ranges::none_of(made, [&](const auto& one) { return one.first == row.text(0); })) {
-            made.emplace_back(row.text(0), "");
+        begun.emplace(row.text(0), row.text(1));
+    }
+    return begun;
+}
+
+Provenance next_provenance(Database& database, std::int64_t session) {
+    const Provenance begun = first_provenance(database, session);
+    Provenance now = begun;
+    for (const auto& [trials, event] : stored_events(database, session)) {
+        if (event.kind == EventKind::planned_again) {
+            now = begun;
+        } else if (event.kind == EventKind::provenance && event.key != protocols::kStartPose &&
+                   event.key != protocols::kRigCheck) {
+            now[event.key] = event.value;
         }
     }
-    return made;
+    std::erase_if(now, [](const auto& one) { return one.second.empty(); });
+    return now;
 }
 
 std::string device_text(const TrialDevice& device) {

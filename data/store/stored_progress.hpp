@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -111,13 +112,13 @@ struct DeviceProgress {
 /// Of the next trial.
 [[nodiscard]] TrialDevice next_device(Database& database, std::int64_t session);
 
-/// What a device without a calibration leaves out is noted as well: it has none.
-/// @param made  provenance, keys and values, of what the session goes on with
-/// @return that, and each key of a calibration that the session has so far, with an empty value
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> with_none(
-    Database& database,
-    std::int64_t session,
-    std::vector<std::pair<std::string, std::string>> made);
+/// What shapes a session besides its protocol, by key.
+using Provenance = std::map<std::string, std::string>;
+/// Before any event.
+[[nodiscard]] Provenance first_provenance(Database& database, std::int64_t session);
+/// Of the next trial: the last word of each key, without those that ended with an empty one. What a
+/// proof found is of its moment alone, and no part of it.
+[[nodiscard]] Provenance next_provenance(Database& database, std::int64_t session);
 
 /// "mouse", "Haply on /dev/ttyACM0 (calibration 1a2b3c4d)"
 [[nodiscard]] std::string device_text(const TrialDevice& device);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <exception>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -73,8 +72,6 @@ bool check_plan(Database& database,
         "position");
     return true;
 }
-
-using Provenance = std::map<std::string, std::string>;
 
 /// @return false if the text is no protocol: nothing can be checked against it
 bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& findings) {
@@ -191,21 +188,11 @@ std::optional<engine::Gantry> gantry_of(const std::string& calibration) {
     return std::nullopt;
 }
 
-Provenance provenance_of(Database& database, std::int64_t session) {
-    Provenance provenance;
-    for (const StoredRow& row :
-         rows_of(database, "SELECT key, value FROM session_provenance WHERE session_id = ?1",
-                 session)) {
-        provenance[row.text("key")] = row.text("value");
-    }
-    return provenance;
-}
-
 void check_provenance(Database& database,
                       std::int64_t session,
                       SessionFrame& frame,
                       Findings& findings) {
-    Provenance provenance = provenance_of(database, session);
+    const Provenance provenance = first_provenance(database, session);
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
     check_simulation(provenance, frame, findings);
@@ -214,25 +201,16 @@ void check_provenance(Database& database,
         frame.gantry = gantry_of(text->second);
     }
     // What a resumed session went on with.
-    bool changed = false;
     for (const StoredEvent& stored : stored_events(database, session)) {
         const protocols::Event& event = stored.event;
         if (event.kind == protocols::EventKind::device) {
             frame.replayed = frame.replayed || event.value.starts_with("replay of ");
-        } else if (event.kind == protocols::EventKind::provenance) {
-            if (event.value.empty()) {  // what it goes on with has none
-                provenance.erase(event.key);
-            } else {
-                provenance[event.key] = event.value;
-            }
-            changed = true;
-            if (event.key == kCalibrationKey) {
-                frame.gantry.reset();
-            }
+        } else if (event.kind == protocols::EventKind::provenance && event.key == kCalibrationKey) {
+            frame.gantry.reset();
         }
     }
-    if (changed) {
-        check_calibration(provenance, findings);
+    if (const Provenance now = next_provenance(database, session); now != provenance) {
+        check_calibration(now, findings);
     }
 }
 

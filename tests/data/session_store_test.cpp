@@ -1,4 +1,7 @@
 #include "protocols/design/session_plan.hpp"
+#include "protocols/session/trust.hpp"
+#include "protocols/trial/object_hash.hpp"
+#include "data/store/stored_progress.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
@@ -106,6 +109,45 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     CHECK(count(database, "study") == 1);
     elsewhere.other_device = true;
     CHECK(data::open_session(database, elsewhere).id == id);
+}
+
+TEST_CASE("whatever a session goes on with and without, the last word of each key is what holds",
+          "[store][verify][law]") {
+    SEEDED(random, std::uint64_t{30});
+    NewDatabase database;
+    data::SessionSpec spec = session_spec(small_protocol(4));
+    const auto objects = protocols::object_hashes(spec.protocol);
+    const std::array<std::string, 6> keys{"board",         "device watchdog", "force limit",
+                                          "realtime spin", "reply delay",     "stop button"};
+    for (std::size_t i = 0; i < 8; ++i) {
+        spec.provenance.assign(objects.begin(), objects.end());
+        for (const std::string& key : keys) {
+            if (random.coin()) {
+                spec.provenance.emplace_back(key, random.coin() ? "a" : "b");
+            }
+        }
+        if (i == 1) {  // no trial has begun: planned anew, and what was said before is over
+            spec.seed = 8;
+            spec.plan = protocols::make_plan(spec.protocol, spec.protocol_hash, spec.key, 8);
+        }
+        const auto opened = data::open_session(database, spec);
+        const data::Provenance holds(spec.provenance.begin(), spec.provenance.end());
+        CHECK(data::next_provenance(database, opened.id) == holds);
+        const std::int64_t said = count(database, "event");
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        // What was found of a moment is no word that holds, and ends with nothing.
+        recorder.event({.kind = protocols::EventKind::provenance,
+                        .text = "found",
+                        .key = std::string(protocols::kRigCheck),
+                        .value = "found"});
+        CHECK(data::next_provenance(database, opened.id) == holds);
+        CHECK(count(database, "event") == said + 1);
+        if (i > 0) {
+            recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[i]),
+                               answered(0, false));
+        }
+    }
+    CHECK(database.first("SELECT count(*) FROM event WHERE key = 'rig check'").integer(0) == 8);
 }
 
 TEST_CASE("sessions of a participant are found by number", "[store]") {

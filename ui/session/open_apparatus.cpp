@@ -14,6 +14,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/simulated_pantograph.hpp"
+#include "protocols/session/trust.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
@@ -83,16 +84,6 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
             [port = apparatus.get()] { return port->stopped() || interrupted(); }));
     }
     return apparatus;
-}
-
-/// What a device does by itself when nobody speaks to it.
-OpeningFact watchdog_fact(double seconds) {
-    return {
-        .key = "device watchdog",
-        .value = fmt::format("{:g} ms", 1e3 * seconds),
-        .text = fmt::format("the board has a watchdog of its own: it switches its motors off {:g} "
-                            "ms after the last torque, whatever becomes of this machine",
-                            1e3 * seconds)};
 }
 
 /// What the system refused to a servo that a hand depends on, and the remedy.
@@ -247,7 +238,7 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
     opened.provenance = engine::provenance(apparatus->rights());
     if (const std::string board = apparatus->device().identity(); !board.empty()) {
-        opened.provenance.emplace_back("board", board);
+        opened.provenance.emplace_back(protocols::kBoard, board);
     }
     if (apparatus->device().traits().gives_force) {
         opened.rest = rest_text(margins_of(spec.study.protocol, apparatus->device()));
@@ -280,7 +271,7 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
         if (std::isinf(holds)) {
             opened.findings.push_back({protocols::Verdict::warn, kKeepsForce});
         } else {
-            opened.opening.push_back(watchdog_fact(holds));
+            opened.provenance.emplace_back("device watchdog", fmt::format("{:g} ms", 1e3 * holds));
         }
     }
     opened.port = std::move(apparatus);

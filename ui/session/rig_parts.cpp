@@ -42,9 +42,10 @@ void require_monitor(const std::vector<std::string>& monitors, std::size_t numbe
     }
 }
 
-std::string fact_of(const OpenedApparatus& felt, std::string_view key) {
-    const auto fact = std::ranges::find(felt.opening, key, &OpeningFact::key);
-    return fact == felt.opening.end() ? "" : fact->value;
+std::string word_of(const std::vector<std::pair<std::string, std::string>>& words,
+                    std::string_view key) {
+    const auto found = std::ranges::find(words, key, &std::pair<std::string, std::string>::first);
+    return found == words.end() ? "" : found->second;
 }
 
 std::unique_ptr<protocols::Observer> make_simulated_observer(
@@ -156,8 +157,7 @@ LiveFacts live_facts(const RigSpec& spec,
                      const data::OpenedSession& opened) {
     data::Statement row =
         database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
-    const auto calibration = std::ranges::find(felt.provenance, "calibration name",
-                                               [](const auto& p) { return p.first; });
+    const auto check = std::ranges::find(felt.opening, protocols::kRigCheck, &OpeningFact::key);
     return {.uuid = std::string(row.text(0)),
             .file = std::filesystem::absolute(database.file()).string(),
             .kind = std::string(to_string(spec.kind)),
@@ -165,9 +165,9 @@ LiveFacts live_facts(const RigSpec& spec,
             .number = spec.key.session,
             .operator_name = spec.operator_name,
             .device = felt.port->device_name(),
-            .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
-            .check = fact_of(felt, protocols::kRigCheck),
-            .watchdog = fact_of(felt, "device watchdog"),
+            .calibration = word_of(felt.provenance, "calibration name"),
+            .check = check == felt.opening.end() ? "" : check->value,
+            .watchdog = word_of(felt.provenance, "device watchdog"),
             .round_trip_us =
                 felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
             .gives_force = gives_force(spec.device.kind),
