@@ -84,6 +84,24 @@ std::string design_text(const protocols::Protocol& protocol) {
                                : std::string());
 }
 
+std::string of_held(std::string_view query) {
+    return fmt::format("{}\n{}", page_query("held"), page_query(query));
+}
+
+/// The protocol's limit of force, and each other one that held.
+std::string limit_text(const Study& study) {
+    const Rows limits = study.ask(of_held("limits"));
+    std::string text = fmt::format("{:g} N", study.protocol.apparatus.force_limit);
+    for (std::size_t row = 0; row < limits.cells.size(); ++row) {
+        const std::string& other = limits.text(row, "force_limit");
+        if (!other.empty()) {
+            text += fmt::format(" (in {} of the attempts, practice included: {})",
+                                limits.text(row, "attempts"), other);
+        }
+    }
+    return text;
+}
+
 /// Through what objects were explored, and what became of the force.
 std::string device_text(const Study& study) {
     bool handle = false;
@@ -143,7 +161,7 @@ void add_provenance(PageWriter& page, const Study& study) {
     page.table("made", "Made with",
                "Versions and hashes of the sessions' programs and calibrations. What tells a "
                "machine is in the file alone.",
-               study.ask(page_query("made")));
+               study.ask(of_held("made")));
 }
 
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -156,10 +174,10 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     }
     page.paragraph(fmt::format(
         "{} explored unseen objects {} at {:g} kHz on the exact {} with a "
-        "stiffness of {:g} N/m and limited to {:g} N. Objects were {}; friction was {}. {} {}",
+        "stiffness of {:g} N/m and limited to {}. Objects were {}; friction was {}. {} {}",
         study.options.kind == "simulated" ? "Simulated hands" : "Participants", device_text(study),
         apparatus.rate_hz / 1000.0, protocol.surface ? "surfaces" : "curves", apparatus.stiffness,
-        apparatus.force_limit, objects_text(protocol), list_of(frictions), task_text(protocol),
+        limit_text(study), objects_text(protocol), list_of(frictions), task_text(protocol),
         design_text(protocol)));
     page.paragraph(
         fmt::format("Attempts in which the force went off, or which fell short of the protocol's "

@@ -117,12 +117,33 @@ FROM session JOIN person USING (participant_id) JOIN study USING (study_id)
 WHERE study_name = {study} AND session_kind = {kind}
 ORDER BY person, session_number
 
+-- What held of which attempts of a session: those after the first `since` of them, up to number `until`.
+
+-- name: held
+WITH held AS (
+    SELECT session_id, key, value, trials_begun AS since,
+           lead(trials_begun) OVER (PARTITION BY session_id, key ORDER BY event_id) AS until
+    FROM (SELECT session_id, key, value, 0 AS trials_begun, 0 AS event_id FROM session_provenance UNION ALL
+          SELECT session_id, key, value, trials_begun, event_id FROM event
+          WHERE event_kind = 'provenance' AND event_id > (
+              SELECT coalesce(max(event_id), 0) FROM event AS again
+              WHERE again.session_id = event.session_id AND again.event_kind = 'planned again')))
+
+-- name: limits
+SELECT coalesce(value, '') AS force_limit, count(*) AS attempts
+FROM (SELECT session_id, row_number() OVER (PARTITION BY session_id ORDER BY trial_id) AS number FROM trial)
+     JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
+     LEFT JOIN held ON held.session_id = session.session_id AND key = 'force limit' AND since < number
+                       AND number <= coalesce(until, number)
+WHERE study_name = {study} AND session_kind = {kind}
+GROUP BY force_limit ORDER BY force_limit
+
 -- What tells neither who nor when nor which machine.
 
 -- name: made
-SELECT key, value, count(*) AS sessions
-FROM session_provenance JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
-WHERE study_name = {study} AND session_kind = {kind}
+SELECT key, value, count(DISTINCT session_id) AS sessions
+FROM held JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
+WHERE study_name = {study} AND session_kind = {kind} AND value <> '' AND (until IS NULL OR until > since)
       AND key IN ('palpate', 'build id', 'compiler', 'libc', 'sqlite', 'zlib', 'nettle', 'calibration sha256')
 GROUP BY key, value ORDER BY key, sessions DESC, value
 

@@ -1,6 +1,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/trust.hpp"
 #include "protocols/trial/object_hash.hpp"
+#include "data/page/study_page.hpp"
 #include "data/store/stored_progress.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
@@ -148,6 +149,34 @@ TEST_CASE("whatever a session goes on with and without, the last word of each ke
         }
     }
     CHECK(database.first("SELECT count(*) FROM event WHERE key = 'rig check'").integer(0) == 8);
+}
+
+TEST_CASE("a report names each program and limit of force that held for a trial, and no other",
+          "[store][report][law]") {
+    NewDatabase database;
+    data::SessionSpec spec = session_spec(small_protocol(4));
+    const auto runs = [&](const std::string& build, const std::string& limit, std::size_t trials) {
+        spec.provenance = {{"build id", build}};
+        if (!limit.empty()) {
+            spec.provenance.emplace_back("force limit", limit);
+        }
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (std::size_t i = opened.next; i < opened.next + trials; ++i) {
+            recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[i]),
+                               answered(0, false));
+        }
+    };
+    runs("build-0", "0.1 N: of no trial", 0);
+    runs("build-1", "0.3 N: nobody proved the rig", 2);
+    runs("build-2", "0.2 N: of no trial either", 0);
+    runs("build-3", "", 3);
+    const std::string page = data::study_page(database, {.kind = "simulated"});
+    CHECK_THAT(page, Has(fmt::format("limited to {:g} N (in 2 of the attempts, practice "
+                                     "included: 0.3 N: nobody proved the rig). Objects",
+                                     spec.protocol.apparatus.force_limit)));
+    CHECK_THAT(page, Has("build-1", "build-3"));
+    CHECK_THAT(page, !Has("build-0") && !Has("build-2"));
 }
 
 TEST_CASE("sessions of a participant are found by number", "[store]") {
