@@ -7,8 +7,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "data/store/database.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/rig/control_line.hpp"
+#include "ui/rig/stop_lines.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/program.hpp"
@@ -260,6 +262,33 @@ TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][la
     CHECK_THAT(said("P2"), Has("palpate stop", "do not reach this one"));
     others.pop_back();
     CHECK_THAT(said("P3"), !Has("do not reach this one"));
+}
+
+TEST_CASE("palpate stop says that a force is off only of whose motors are proved to be off",
+          "[live][safety][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    static_cast<void>(data::Database(file, data::Access::write));
+    const auto runs = [&](const char* label, bool doubts) {
+        return std::make_unique<ui::StopLines>(
+            file, label, nullptr,
+            ui::StopLines::Acts{
+                .stop = [](const char*) {}, .doubts = [=] { return doubts; }, .types = false});
+    };
+    const auto stop = [&] {
+        return tests::palpate_command({"stop", file});
+    };
+    const auto lost = runs("the lost one\n", true);
+    const Finished alone = stop();
+    CHECK(alone.code == 1);
+    CHECK(alone.out.empty());
+    CHECK_THAT(alone.error, Has("of 1 session: nothing proves", "the lost one"));
+    const auto proved = runs("the proved one\n", false);
+    const Finished both = stop();
+    CHECK(both.code == 1);
+    CHECK(both.out == "No force any more in 1 session:\nthe proved one\n");
+    CHECK_THAT(both.error, Has("of 1 session: nothing proves", "the lost one"));
+    CHECK_THAT(both.error, !Has("the proved one"));
 }
 
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",

@@ -29,7 +29,7 @@ int run(const StopOptions& options) {
     const StopResult stopped = stop_sessions(options.database);
     std::error_code unknown;  // weak pulses come before a new file
     refuse_if(options.database && !std::filesystem::exists(*options.database, unknown) &&
-                  stopped.sessions + stopped.silent + stopped.uncalled == 0,
+                  stopped.sessions + stopped.unproved + stopped.silent + stopped.uncalled == 0,
               "{}: there is no such file", *options.database);
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
@@ -42,9 +42,9 @@ int run(const StopOptions& options) {
                   "{}: {} on it cannot be called from here, as in another container or "
                   "network namespace: {}stop it there, or use the switch of its motors",
                   *options.database, counted(all - stopped.on_file, "session"),
-                  stopped.sessions > 0 ? "" : "nothing was stopped; ");
-    if (!beyond.empty() &&
-        stopped.sessions + stopped.on_file > 0) {  // what else is to be said follows
+                  stopped.sessions + stopped.unproved > 0 ? "" : "nothing was stopped; ");
+    if (!beyond.empty() && stopped.sessions + stopped.unproved + stopped.on_file >
+                               0) {  // what else is to be said follows
         warn("{}", beyond);
     }
     refuse_if<std::runtime_error>(
@@ -52,8 +52,9 @@ int run(const StopOptions& options) {
         "{} did not answer in 2 s, which hangs or is stopped: use the switch of its motors{}",
         counted(stopped.silent + stopped.uncalled, "session"),
         stopped.uncalled > 0 ? "" : ". It gives no force when it goes on");
-    refuse_if<std::runtime_error>(stopped.unproved > 0, "of {}: {}",
-                                  counted(stopped.unproved, "session"), engine::kForceUnproved);
+    refuse_if<std::runtime_error>(stopped.unproved > 0, "of {}: {}:\n{}",
+                                  counted(stopped.unproved, "session"), engine::kForceUnproved,
+                                  stopped.doubtful.substr(0, stopped.doubtful.rfind('\n')));
     if (stopped.sessions > 0) {
         return beyond.empty() ? 0 : kExitFailure;
     }

@@ -305,9 +305,12 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
         const data::Json answer = object_in(said.line);
         const bool ok = answer.value("ok", false);
         const bool heard = said.ended || !said.line.empty();
-        (ok ? stopped.sessions : heard ? stopped.refused : stopped.silent) += 1;
-        stopped.labels += ok ? answer.value("text", "") : "";
-        stopped.unproved += ok && !answer.value("proved", true) ? 1U : 0U;
+        const bool off = ok && answer.value("proved", true);
+        (off     ? stopped.sessions
+         : ok    ? stopped.unproved
+         : heard ? stopped.refused
+                 : stopped.silent) += 1;
+        (off ? stopped.labels : stopped.doubtful) += ok ? answer.value("text", "") : "";
     }
     return stopped;
 }

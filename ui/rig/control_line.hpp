@@ -128,9 +128,10 @@ private:
 
 /// What became of those that were asked to stop.
 struct StopResult {
-    std::size_t sessions = 0;
-    std::string labels{};      ///< a line each
-    std::size_t unproved = 0;  ///< of them: nothing proves that the motors are off
+    std::size_t sessions = 0;  ///< without force
+    std::string labels{};      ///< of these, a line each
+    std::size_t unproved = 0;  ///< obeyed, and nothing proves that the motors are off
+    std::string doubtful{};    ///< labels of these, a line each
     std::size_t refused = 0;
     std::size_t silent = 0;    ///< hang, and did not answer within 2 s
     std::size_t uncalled = 0;  ///< hang, and so many call that one more does not get through
