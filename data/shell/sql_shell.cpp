@@ -11,6 +11,7 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
@@ -207,10 +208,15 @@ int SqlShell::print_rows(sqlite3_stmt* raw) {
     for (int i = 0; i < columns; ++i) {
         names.emplace_back(sqlite3_column_name(raw, i));
     }
-    int step = sqlite3_step(raw);
+    const auto next = [&] {
+        const int code = sqlite3_step(raw);
+        require_still(database_.connection());
+        return code;
+    };
+    int step = next();
     if (columns > 0 && (step == SQLITE_ROW || step == SQLITE_DONE)) {
         RowPrinter printer(out_, format_, std::move(names));
-        for (; step == SQLITE_ROW; step = sqlite3_step(raw)) {
+        for (; step == SQLITE_ROW; step = next()) {
             std::vector<SqlValue> cells;
             for (int i = 0; i < columns; ++i) {
                 cells.push_back(sql_value(raw, i));

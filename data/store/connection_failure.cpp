@@ -1,8 +1,13 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/statement.hpp"
 
@@ -36,12 +41,42 @@ const char* remedy(int code) {
     }
 }
 
+/// Which files of another user's beside the database may not be written, and what to do; empty:
+/// none. They stay where another palpate or SQLite was killed, or only read.
+std::string in_the_way(const Connection& connection) {
+    std::string names;
+    std::string whose;
+    for (const char* beside : {"-wal", "-shm"}) {
+        const std::string name =
+            std::string(sqlite3_db_filename(connection.handle, "main")) + beside;
+        struct stat status {};
+        if (stat(name.c_str(), &status) == 0 && status.st_uid != geteuid() &&
+            faccessat(AT_FDCWD, name.c_str(), R_OK | W_OK, AT_EACCESS) != 0) {
+            const passwd* user = getpwuid(status.st_uid);
+            whose = user != nullptr ? user->pw_name : fmt::format("user {}", status.st_uid);
+            names += (names.empty() ? "" : " ") + connection.file + beside;
+        }
+    }
+    return names.empty() ? ""
+                         : fmt::format(
+                               "what SQLite keeps beside it belongs to {}, and must be "
+                               "yours: when no program has the file open, do sudo chown "
+                               "$USER {}",
+                               whose, names);
+}
+
 }  // namespace
 
 void Connection::fail(std::string_view doing) const {
     const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
     const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
     std::string what = remedy(code);
+    if (handle != nullptr) {
+        require_still(*this);
+        const bool barred = (code & 0xFF) == SQLITE_READONLY || (code & 0xFF) == SQLITE_CANTOPEN;
+        const std::string theirs = barred ? in_the_way(*this) : "";
+        what = theirs.empty() ? what : theirs;
+    }
     if (handle != nullptr && message.starts_with("FOREIGN KEY")) {
         const std::string theirs = referring_tables(*this);
         what = theirs.empty() ? ""

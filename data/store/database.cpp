@@ -39,7 +39,8 @@ std::string plain_name(const std::string& file) {
     return file.starts_with('/') ? file : "./" + file;
 }
 
-/// The file as a URI of one that cannot change, for SQLite to read it without any file beside it.
+/// The file as a URI of one that cannot change, for SQLite to read it without any file beside it,
+/// and for require_still().
 std::string immutable_uri(const std::string& file) {
     std::string uri = "file:";
     for (const char c : plain_name(file)) {
@@ -48,7 +49,7 @@ std::string immutable_uri(const std::string& file) {
         uri += plain ? std::string(1, c)
                      : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
     }
-    return uri + "?immutable=1";
+    return uri + fmt::format("?immutable=1&written={}", written_ns(plain_name(file)));
 }
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
@@ -192,8 +193,9 @@ void Database::open(Access access) {
         not_ours(connection_.file);
     }
     require_log();
+    const std::string as_it_is = immutable_uri(connection_.file);  // before it is looked at
     if (access != Access::write && lies_still(plain_name(connection_.file))) {
-        connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        connect(as_it_is, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
     refuse_if<StoreError>(
         access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1,
@@ -205,7 +207,7 @@ void Database::open(Access access) {
         if (access == Access::write || has_log(plain_name(connection_.file))) {
             throw;
         }
-        connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        connect(as_it_is, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
         check_identity(access);
     }
     check_schema(access);

@@ -7,6 +7,8 @@
 
 namespace palpate::data {
 
+struct Connection;
+
 /// Bytes that `trials` of a protocol can take at most: every one until its time-out, 40 bytes a
 /// tick, and 16 MB for the log and all else. Measured: 5 to 12 bytes a tick where a replay gives
 /// the rest; 40 leaves room for a device without encoders, and for the log beside the file, which
@@ -22,10 +24,19 @@ void require_space(const std::string& file,
                    const protocols::Protocol& protocol,
                    std::size_t trials);
 
-/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log
-/// beside it, and with no log and no index there, it needs none. A live or a killed rig leaves
-/// both, beside the file itself, wherever a link to it is.
+/// A database that nobody writes, where SQLite could not lay its log and the index of it beside it,
+/// or must not: made by another user than the file's owner they would keep that one from writing.
+/// Where nothing is in a log it needs none. A live or a killed rig leaves both, beside the file
+/// itself, wherever a link to it is.
+/// @throws StoreError where another user's file has a log without an index
 [[nodiscard]] bool lies_still(const std::string& name);
+
+/// When a file was last written to, ns since 1970; 0: there is none.
+[[nodiscard]] std::int64_t written_ns(const std::string& name);
+
+/// Of what is read as one that cannot change, opened with "written" in its URI as written_ns() was.
+/// @throws StoreError if it was written to since then: what was read may be of two moments
+void require_still(const Connection& connection);
 
 /// The name of the log that SQLite keeps beside a file while anybody has it open to write, wherever
 /// a link to it is; empty: there is no file.

@@ -8,6 +8,7 @@
 #include <sqlite3.h>
 
 #include "engine/base/text.hpp"
+#include "data/store/disk_space.hpp"
 
 namespace palpate::data {
 namespace {
@@ -112,6 +113,7 @@ Statement& Statement::bind_null(int parameter) {
 
 bool Statement::step() {
     const int code = sqlite3_step(statement_);
+    require_still(*connection_);
     if (code == SQLITE_ROW) {
         return true;
     }

@@ -106,6 +106,31 @@ std::string record_and_die(const std::string& file) {
     });
 }
 
+/// What this process does is done by another user, for as long as this lives.
+class As {
+public:
+    explicit As(uid_t user) { REQUIRE(seteuid(user) == 0); }
+    As(const As&) = delete;
+    As& operator=(const As&) = delete;
+    ~As() { REQUIRE(seteuid(0) == 0); }
+};
+
+constexpr uid_t kAlice = 60'001;
+constexpr uid_t kBob = 60'002;
+
+/// A file of Alice's where everybody may make files, and Bob may read; empty: only root can.
+std::string alices(const TemporaryFolder& folder) {
+    if (geteuid() != 0) {
+        WARN("only root is two users: not checked");
+        return "";
+    }
+    chmod(folder.path().c_str(), 01777);
+    const As alice(kAlice);
+    static_cast<void>(record(folder.file("a.sqlite")));
+    chmod(folder.file("a.sqlite").c_str(), 0644);
+    return folder.file("a.sqlite");
+}
+
 bool permissions_bind(const TemporaryFolder& folder) {
     const std::string can = without_rights(
         [&] { return std::string(access(folder.path().c_str(), W_OK) == 0 ? "yes" : "no"); });
@@ -170,4 +195,89 @@ TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
                    return std::string("opened");
                }),
                Has("a.sqlite", "read-only"));
+}
+
+TEST_CASE("who reads a file of another's leaves nothing beside it that would lock its owner out",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = alices(folder);
+    if (file.empty()) {
+        return;
+    }
+    const std::string recorded = contents(file);
+    EACH(log, "", "an empty log", "its index");
+    std::filesystem::remove(file + "-wal");
+    std::filesystem::remove(file + "-shm");
+    if (*log != '\0') {
+        std::ofstream(file + (std::string(log) == "its index" ? "-shm" : "-wal"));
+    }
+    const auto before = folder.names();
+    {
+        const As bob(kBob);
+        CHECK(contents(file) == recorded);
+    }
+    CHECK(folder.names() == before);
+    std::filesystem::remove(file + "-wal");
+    std::filesystem::remove(file + "-shm");
+    const As alice(kAlice);
+    Database(file, Access::write).execute("UPDATE participant SET handedness = 20");
+}
+
+TEST_CASE("who reads a file of another's while it is written hears so, and reads the new one then",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = alices(folder);
+    if (file.empty()) {
+        return;
+    }
+    const auto writes = [&](const char* sql) {
+        const As alice(kAlice);
+        Database(file, Access::write).execute(sql);  // into the file, as it ends
+    };
+    constexpr const char* kHandedness = "SELECT handedness FROM participant";
+    std::unique_ptr<Database> reader;
+    {
+        const As bob(kBob);
+        reader = std::make_unique<Database>(file, Access::read);
+        CHECK(reader->first(kHandedness).null(0));
+    }
+    writes("UPDATE participant SET handedness = 20");
+    CHECK_THROWS_WITH(reader->first(kHandedness), Has("a.sqlite", "written to while it was read"));
+    const As bob(kBob);
+    CHECK(Database(file, Access::read).first(kHandedness).integer(0) == 20);
+}
+
+TEST_CASE("what another user's program left beside a file is said, and what to do",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = alices(folder);
+    if (file.empty()) {
+        return;
+    }
+    for (const char* beside : {"-wal", "-shm"}) {
+        std::ofstream(file + beside);
+        chmod((file + beside).c_str(), 0600);
+        REQUIRE(chown((file + beside).c_str(), kBob, kBob) == 0);
+    }
+    const As alice(kAlice);
+    for (const Access access : {Access::read, Access::write}) {
+        CHECK_THROWS_WITH(
+            Database(file, access),
+            Has("belongs to user 60002", "chown $USER " + file + "-wal " + file + "-shm"));
+    }
+}
+
+TEST_CASE("the index of another's log is not made for them", "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = alices(folder);
+    if (file.empty()) {
+        return;
+    }
+    std::ofstream(file + "-wal") << "something";
+    const auto names = folder.names();
+    {
+        const As bob(kBob);
+        CHECK_THROWS_WITH(Database(file, Access::read), Has("would keep the file's owner from"));
+    }
+    CHECK(folder.names() == names);
 }
