@@ -9,6 +9,7 @@
 #include "data/store/chain.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
+#include "data/sync/refusals.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {
@@ -80,14 +81,20 @@ private:
                                                 session.number, session.uuid, what));
     }
 
-    /// Nothing of who does not consent goes on, whoever noted it, this file or one that was pushed
-    /// before; what is there only an administrator can delete.
+    /// Nothing of who does not consent goes on but which session it is, whoever noted it, this file
+    /// or one that was pushed before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
-        Statement row = database_.prepare(
-            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0",
-            session.participant);
-        const bool here = row.step();
-        if (choice_.including_refused || (!here && !refused_.contains(session.participant))) {
+        const bool here = database_
+                              .prepare(
+                                  "SELECT 1 FROM participant WHERE participant_code = ?1 AND "
+                                  "consent = 0",
+                                  session.participant)
+                              .step();
+        if (here) {
+            send("participant_note", Refusals::note(session));
+            flush();
+        }
+        if (choice_.including_refused || (!here && !refusals_.hold(session))) {
             return false;
         }
         ++report_.declined;
@@ -100,8 +107,8 @@ private:
                      "rows of this session_uuid");
         } else if (!here) {
             conflict(session,
-                     "they do not consent, says the server, and not this file: note it here, or an "
-                     "administrator deletes that note if it is wrong");
+                     "they do not consent, says the server, and not this file: note it here, or "
+                     "whose it really is, or an administrator deletes that note if it is wrong");
         }
         return true;
     }
@@ -143,11 +150,7 @@ private:
                  "SELECT participant_code || ' ' || key, value FROM palpate.participant_note")) {
             there[*row[0]].insert(*row[1]);
         }
-        for (const auto& row : server_.rows(
-                 "SELECT participant_code FROM palpate.participant_note WHERE key = 'consent' AND "
-                 "value = '0'")) {
-            refused_.insert(*row[0]);
-        }
+        refusals_.read(server_);
         one_at_a_time();
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
@@ -369,8 +372,8 @@ private:
     std::vector<PostgresTable> tables_;
     std::map<std::string, std::string> insert_;
     PushChoice choice_;
-    std::set<std::string> begun_;    ///< uuids of sessions that the server has
-    std::set<std::string> refused_;  ///< who does not consent by the server's notes before
+    std::set<std::string> begun_;  ///< uuids of sessions that the server has
+    Refusals refusals_;            ///< by the server's notes before
     PushReport report_;
 };
 

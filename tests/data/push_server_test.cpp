@@ -263,3 +263,57 @@ TEST_CASE("what is repaired after a push reaches the server as events, and nothi
     const Finished destroyed = push();
     check_end(destroyed, 1, Has("the server has it: an administrator deletes"));
 }
+
+TEST_CASE("an older copy brings no session of who refuses, under whosever code it has it",
+          "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const std::string newer = a_database(folder);
+    const std::string older = folder.file("older.sqlite");
+    std::filesystem::copy_file(newer, older);
+    const auto participant = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"participant", newer});
+        ran(words);
+    };
+    const auto push = [&](const std::string& file) {
+        return palpate_command({"push", file, "--to", server->url()});
+    };
+    const auto sessions = [&] {
+        return *Postgres(server->url()).rows("SELECT count(*) FROM palpate.session").at(0).at(0);
+    };
+    for (const char* code : {"P09", "P10"}) {
+        participant({code, "--new", "--consent", "yes"});
+    }
+    participant({"demo", "--is-really", "P09", "--reason", "typo"});
+    const std::string between = folder.file("between.sqlite");
+    std::filesystem::copy_file(newer, between);
+    participant({"P09", "--consent", "no"});
+    CHECK(push(newer).code == 0);
+    for (const std::string& file : {older, between, older}) {
+        CAPTURE(file);
+        check_end(push(file), 1, Has("they do not consent, says the server"));
+        CHECK(sessions() == "0");
+    }
+    // It was not theirs after all.
+    participant({"P09", "--is-really", "P10", "--reason", "another typo"});
+    CHECK(push(newer).code == 0);
+    CHECK(sessions() == "1");
+}
+
+TEST_CASE("an older copy brings no session that was destroyed", "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const std::string newer = a_database(folder);
+    for (const char* code : {"P09", "P10"}) {
+        ran({"participant", newer, code, "--new", "--consent", "yes"});
+    }
+    ran({"participant", newer, "demo", "--is-really", "P09", "--reason", "typo"});
+    const std::string older = folder.file("older.sqlite");
+    std::filesystem::copy_file(newer, older);
+    ran({"participant", newer, "P09", "--is-really", "P10", "--reason", "another typo"});
+    ran({"participant", newer, "P10", "--destroy", "everything", "--yes", "--reason", "asked"});
+    static_cast<void>(palpate_command({"push", newer, "--to", server->url()}));
+    check_end(palpate_command({"push", older, "--to", server->url()}), 1,
+              Has("they do not consent, says the server"));
+    CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
+}

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+
+#include "data/store/database.hpp"
+#include "data/sync/postgres.hpp"
+#include "data/sync/session_version.hpp"
+
+namespace palpate::data {
+
+/// Who does not consent by a server's notes, and which sessions are theirs: an older copy of a file
+/// can have one as another's.
+class Refusals {
+public:
+    /// @throws PostgresError
+    void read(Postgres& server);
+    /// The session is of who refused, and no note in its file since then says that it is another's.
+    [[nodiscard]] bool hold(const SessionVersion& session) const;
+    /// A row of participant_note: the session is theirs, who do not consent.
+    [[nodiscard]] static PostgresRow note(const SessionVersion& session);
+
+private:
+    std::set<std::string> codes_;
+    std::map<std::string, std::int64_t> moves_;  ///< by uuid: how often it had become another's
+};
+
+}  // namespace palpate::data
