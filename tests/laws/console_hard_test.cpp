@@ -206,9 +206,9 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
     CHECK_THAT(says({"--listen", "127.0.0.2", "--tls", cert, none}), Has(none + ": "));
     CHECK_THAT(says({"--listen", "127.0.0.2", "--tls", cert, folder.file("k2")}),
                Has("not that of the certificate"));
-    for (const std::string address : {"0.0.0.0", "here", "192.0.2.77"}) {
+    for (const std::string address : {"0.0.0.0", "here", "192.0.2.77", "fd00::2"}) {
         CHECK_THAT(says({"--listen", address, "--tls", cert, key}),
-                   Has(address + " is no address of this machine"));
+                   Has(address + " is no IPv4 address of this machine"));
     }
 
     const std::string jar = folder.file("jar");

@@ -333,9 +333,10 @@ PageServer::PageServer(PageServerSpec spec)
     }
     sockaddr_in where{};
     where.sin_family = AF_INET;
-    const std::string no_address =
-        fmt::format("{} is no address of this machine, such as 192.168.1.5; hostname -I lists them",
-                    spec_.address);
+    const std::string no_address = fmt::format(
+        "{} is no IPv4 address of this machine, such as 192.168.1.5; hostname -I lists "
+        "its addresses",
+        spec_.address);
     refuse_if(inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1 ||
                   where.sin_addr.s_addr == INADDR_ANY,
               "{}", no_address);

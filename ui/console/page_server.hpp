@@ -51,7 +51,7 @@ public:
     static constexpr std::int64_t kPace = 33 * kMillisecond;
     static constexpr std::size_t kLongestBody = 8192;
 
-    /// @throws std::invalid_argument for what is no single address of this machine, and for an
+    /// @throws std::invalid_argument for what is no single IPv4 address of this machine, and for an
     ///         address other than kHere in the clear
     /// @throws std::runtime_error if it cannot listen there
     explicit PageServer(PageServerSpec spec);
