@@ -210,6 +210,10 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
         CHECK_THAT(says({"--listen", address, "--tls", cert, key}),
                    Has(address + " is no IPv4 address of this machine"));
     }
+    // A page of this machine reveals.
+    const std::string word = session.ask({{"do", "reveal"}}).value("word", "");
+    CHECK(session.ask({{"do", "reveal"}, {"word", word}})["ok"] == true);
+    REQUIRE(eventually([&] { return session.state().contains("hidden"); }));
 
     const std::string jar = folder.file("jar");
     const auto asked = [&](const std::string& address, const std::vector<std::string>& more) {
@@ -238,13 +242,19 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
         CHECK(asked(out.substr(at, out.find('\n', at) - at), {}).code == 0);
         CHECK_THAT(asked(own + "/", {}).out, StartsWith("<!DOCTYPE html>"));
         CHECK(asked("http" + own.substr(5) + "/", {}).code != 0);
-        const std::string answer =
-            asked(own + "/do",
-                  {"-H", "Origin: " + own, "-H", "Content-Type: application/json", "-d", kNote})
+        const auto does = [&](const std::string& what) {
+            return asked(own + "/do", {"-H", "Origin: " + own, "-H",
+                                       "Content-Type: application/json", "-d", what})
                 .out;
-        CHECK_THAT(answer, Has(acts ? "\"ok\":true" : "this page may only look"));
+        };
+        CHECK_THAT(does(kNote), Has(acts ? "\"ok\":true" : "this page may only look"));
         CHECK_THAT(asked(own + "/stream", {"-N", "-m", "2"}).out,
                    Has(acts ? "\"act\":true" : "\"act\":false"));
+        const std::string felt = asked(own + "/stream?shown=1", {"-N", "-m", "2"}).out;
+        CHECK_THAT(felt, Has(acts ? "\"reveal\":\"shown\"" : "\"reveal\":\"ask\""));
+        for (const char* secret : {"\"hidden\"", "\"hip\"", "\"strips\""}) {
+            CHECK((felt.find(secret) == std::string::npos || acts));
+        }
         CHECK(session.kept(kNotes) == (acts ? "1" : "0"));
     }
     session.program.signal(SIGTERM);

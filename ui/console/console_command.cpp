@@ -319,8 +319,8 @@ int run(const ConsoleOptions& options) {
                                                              : "";
         return file.empty() ? std::nullopt : std::optional(std::string(file));
     };
-    spec.open = [watched](bool shown, bool still) {
-        return SessionStream(watched, shown, still);
+    spec.open = [watched, acts](bool shown, bool still) {
+        return SessionStream(watched, shown && acts, still);  // who may only look reveals nothing
     };
     if (acts) {
         spec.act = [watched](const std::string& line, bool gone) {
