@@ -248,6 +248,7 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
                 .out;
         };
         CHECK_THAT(does(kNote), Has(acts ? "\"ok\":true" : "this page may only look"));
+        CHECK_THAT(does(R"({"do":"page"})"), Has("\"ok\":false") && !Has("token"));
         CHECK_THAT(asked(own + "/stream", {"-N", "-m", "2"}).out,
                    Has(acts ? "\"act\":true" : "\"act\":false"));
         const std::string felt = asked(own + "/stream?shown=1", {"-N", "-m", "2"}).out;

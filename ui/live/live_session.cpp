@@ -151,7 +151,7 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
         answer_state(*caller);
     } else if (!open_) {
         caller->answer(false, "no session runs here now: nothing was done");
-    } else if (what == "page") {
+    } else if (what == "page" && !asked.contains("page")) {  // a page has its address
         answer_page(*caller);
     } else if (what == "end") {
         end_early(text_in(asked, "word"), *caller);
