@@ -69,6 +69,9 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
     const Finished missing = ran(merge, 2);
     CHECK_THAT(missing.error, Has("one shard of 3 missing", "--array=1"));
+    std::vector<std::string> miscounted = merge;
+    miscounted[2] = "2";
+    CHECK_THAT(ran(miscounted, 2).error, Has("of-003.sqlite: it is one of 3 shards, not of 2"));
     // A shard is what it holds, whatever its name.
     const std::string third = folder.file("wrong/shard-001-of-003.sqlite");
     fs::create_directory(folder.file("wrong"));

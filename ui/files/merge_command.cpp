@@ -102,9 +102,26 @@ private:
     std::size_t people_ = 0;          ///< in all shards, by the greatest code
 };
 
+/// @throws std::invalid_argument for one that is by its name of another number of shards
+void require_of(std::size_t shards, const std::string& file) {
+    const std::string name = std::filesystem::path(file).stem().string();
+    const std::size_t of = name.find("-of-");
+    const auto there = of != std::string::npos && name.starts_with("shard-")
+                         ? parsed<std::size_t>(std::string_view(name).substr(of + 4))
+                         : std::nullopt;
+    refuse_if(
+        there.value_or(shards) != shards,
+        "{}: it is one of {} shards, not of {}: nothing was merged; --expect takes the number "
+        "of all",
+        file, there.value_or(0), shards);
+}
+
 /// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes
 /// them, or if they are not of one simulation
 void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
+    for (const std::string& file : files) {
+        require_of(shards, file);
+    }
     std::vector<std::size_t> missing;
     std::vector<std::string> names;
     for (std::size_t i = 0; i < shards; ++i) {
