@@ -7,6 +7,7 @@ install(TARGETS palpate_figures RUNTIME DESTINATION lib/palpate)
 install(DIRECTORY protocols/library/ DESTINATION share/palpate/protocols FILES_MATCHING PATTERN *.toml)
 install(DIRECTORY engine/device/firmware DESTINATION share/palpate/engine/device
         FILES_MATCHING PATTERN *.c PATTERN *.h PATTERN *.sh)
+install(FILES data/trace/read_trace.py data/trace/read_trace.R DESTINATION share/palpate/data/trace)
 install(DIRECTORY examples DESTINATION share/palpate)
 install(DIRECTORY docs DESTINATION share/doc/palpate)
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/palpate)

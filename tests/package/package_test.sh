@@ -32,6 +32,10 @@ use_it() {
     holds 'and its file is whole' $inside "$program" verify "$study"
     holds 'every installed protocol is accepted' every_protocol
     holds 'the figures of the thesis are computed' $inside "$program" figures -o "$scratch_inside/figures"
+    holds 'the readers of traces that the manual names are there' \
+        ls "$root/usr/share/palpate/data/trace/read_trace.py" "$root/usr/share/palpate/data/trace/read_trace.R"
+    holds 'and one of them reads its file' trace_is_read
+    holds 'its help names no command of the sources' no_launcher
     holds 'the SQL extension is found' $inside "$program" extension
     module=$($inside "$program" extension)
     holds 'and sqlite3 loads it' \
@@ -55,6 +59,8 @@ use_it() {
     holds 'every line of the limits is one' quiet grep -vE \
         '^(#.*|@palpate - (rtprio [0-9]+|memlock unlimited))?$' "$root/etc/security/limits.d/palpate.conf"
 }
+trace_is_read() { $inside python3 "$prefix/usr/share/palpate/data/trace/read_trace.py" "$study" 1; }
+no_launcher() { ! $inside "$program" --help | grep -F './palpate'; }
 every_protocol() {
     for file in "$root"/usr/share/palpate/protocols/*.toml; do
         case $file in */pantographs.toml) continue ;; esac

@@ -226,7 +226,7 @@ ParseResult parse_command_line(const std::vector<Command>& commands,
     app.name("palpate");
     app.require_subcommand(1);
     app.set_version_flag("--version", "palpate " + version);
-    app.footer("Set-up and tests: ./palpate test. A first study: see README.md.");
+    app.footer("A first study: see README.md (installed: /usr/share/doc/palpate).");
     std::vector<const CLI::App*> added;
     for (const Command& command : commands) {
         CommandWords words{.line = {argv, argv + argc}};
