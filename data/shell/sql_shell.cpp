@@ -11,7 +11,7 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/disk_space.hpp"
+#include "data/store/written_since.hpp"
 #include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
@@ -210,7 +210,9 @@ int SqlShell::print_rows(sqlite3_stmt* raw) {
     }
     const auto next = [&] {
         const int code = sqlite3_step(raw);
-        require_still(database_.connection());
+        if (written_since(database_.handle())) {
+            database_.fail("reading");
+        }
         return code;
     };
     int step = next();

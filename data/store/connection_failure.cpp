@@ -7,9 +7,9 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/disk_space.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/statement.hpp"
+#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -44,11 +44,11 @@ const char* remedy(int code) {
 /// Which files of another user's beside the database may not be written, and what to do; empty:
 /// none. They stay where another palpate or SQLite was killed, or only read.
 std::string in_the_way(const Connection& connection) {
+    const char* file = sqlite3_db_filename(connection.handle, "main");
     std::string names;
     std::string whose;
     for (const char* beside : {"-wal", "-shm"}) {
-        const std::string name =
-            std::string(sqlite3_db_filename(connection.handle, "main")) + beside;
+        const std::string name = std::string(file == nullptr ? "" : file) + beside;
         struct stat status {};
         if (stat(name.c_str(), &status) == 0 && status.st_uid != geteuid() &&
             faccessat(AT_FDCWD, name.c_str(), R_OK | W_OK, AT_EACCESS) != 0) {
@@ -72,7 +72,8 @@ void Connection::fail(std::string_view doing) const {
     const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
     std::string what = remedy(code);
     if (handle != nullptr) {
-        require_still(*this);
+        refuse_if<StoreError>(written_since(handle),
+                              "{}: it was written to while it was read: do this again", file);
         const bool barred = (code & 0xFF) == SQLITE_READONLY || (code & 0xFF) == SQLITE_CANTOPEN;
         const std::string theirs = barred ? in_the_way(*this) : "";
         what = theirs.empty() ? what : theirs;

@@ -21,6 +21,7 @@
 #include "data/store/disk_space.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/uuid.hpp"
+#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -40,7 +41,7 @@ std::string plain_name(const std::string& file) {
 }
 
 /// The file as a URI of one that cannot change, for SQLite to read it without any file beside it,
-/// and for require_still().
+/// and for written_since().
 std::string immutable_uri(const std::string& file) {
     std::string uri = "file:";
     for (const char c : plain_name(file)) {

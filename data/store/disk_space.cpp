@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -68,21 +67,6 @@ bool lies_still(const std::string& name) {
                           name);
     return (theirs || ::access(file.parent_path().c_str(), W_OK) != 0) && !has_log(name) &&
            !(index && ::access((file.string() + "-wal").c_str(), F_OK) == 0);
-}
-
-std::int64_t written_ns(const std::string& name) {
-    struct stat status {};
-    return stat(name.c_str(), &status) != 0
-             ? 0
-             : std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
-}
-
-void require_still(const Connection& connection) {
-    const char* name = sqlite3_db_filename(connection.handle, "main");
-    const std::int64_t then = name == nullptr ? 0 : sqlite3_uri_int64(name, "written", 0);
-    refuse_if<StoreError>(then != 0 && written_ns(name) != then,
-                          "{}: it was written to while it was read: do this again",
-                          connection.file);
 }
 
 std::string log_of(const std::string& name) {

@@ -7,8 +7,6 @@
 
 namespace palpate::data {
 
-struct Connection;
-
 /// Bytes that `trials` of a protocol can take at most: every one until its time-out, 40 bytes a
 /// tick, and 16 MB for the log and all else. Measured: 5 to 12 bytes a tick where a replay gives
 /// the rest; 40 leaves room for a device without encoders, and for the log beside the file, which
@@ -30,13 +28,6 @@ void require_space(const std::string& file,
 /// itself, wherever a link to it is.
 /// @throws StoreError where another user's file has a log without an index
 [[nodiscard]] bool lies_still(const std::string& name);
-
-/// When a file was last written to, ns since 1970; 0: there is none.
-[[nodiscard]] std::int64_t written_ns(const std::string& name);
-
-/// Of what is read as one that cannot change, opened with "written" in its URI as written_ns() was.
-/// @throws StoreError if it was written to since then: what was read may be of two moments
-void require_still(const Connection& connection);
 
 /// The name of the log that SQLite keeps beside a file while anybody has it open to write, wherever
 /// a link to it is; empty: there is no file.

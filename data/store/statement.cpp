@@ -8,7 +8,7 @@
 #include <sqlite3.h>
 
 #include "engine/base/text.hpp"
-#include "data/store/disk_space.hpp"
+#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -113,15 +113,12 @@ Statement& Statement::bind_null(int parameter) {
 
 bool Statement::step() {
     const int code = sqlite3_step(statement_);
-    require_still(*connection_);
-    if (code == SQLITE_ROW) {
-        return true;
-    }
-    if (code != SQLITE_DONE) {
+    const bool there = code == SQLITE_ROW;
+    if ((!there && code != SQLITE_DONE) || written_since(connection_->handle)) {
         connection_->fail(
             fmt::format("running \"{}\"", std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
     }
-    return false;
+    return there;
 }
 
 void Statement::run() {
