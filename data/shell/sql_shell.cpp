@@ -11,7 +11,6 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/written_since.hpp"
 #include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
@@ -210,7 +209,7 @@ int SqlShell::print_rows(sqlite3_stmt* raw) {
     }
     const auto next = [&] {
         const int code = sqlite3_step(raw);
-        if (written_since(database_.handle())) {
+        if (database_.connection().written_since()) {
             database_.fail("reading");
         }
         return code;

@@ -9,7 +9,6 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/statement.hpp"
-#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -71,9 +70,9 @@ void Connection::fail(std::string_view doing) const {
     const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
     const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
     std::string what = remedy(code);
+    refuse_if<StoreError>(written_since(), "{}: it was written to while it was read: do this again",
+                          file);
     if (handle != nullptr) {
-        refuse_if<StoreError>(written_since(handle),
-                              "{}: it was written to while it was read: do this again", file);
         const bool barred = (code & 0xFF) == SQLITE_READONLY || (code & 0xFF) == SQLITE_CANTOPEN;
         const std::string theirs = barred ? in_the_way(*this) : "";
         what = theirs.empty() ? what : theirs;

@@ -21,7 +21,6 @@
 #include "data/store/disk_space.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/uuid.hpp"
-#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -40,8 +39,8 @@ std::string plain_name(const std::string& file) {
     return file.starts_with('/') ? file : "./" + file;
 }
 
-/// The file as a URI of one that cannot change, for SQLite to read it without any file beside it,
-/// and for written_since().
+/// The file as a URI of one that cannot change, for SQLite to read it without any file beside
+/// it.
 std::string immutable_uri(const std::string& file) {
     std::string uri = "file:";
     for (const char c : plain_name(file)) {
@@ -50,7 +49,7 @@ std::string immutable_uri(const std::string& file) {
         uri += plain ? std::string(1, c)
                      : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
     }
-    return uri + fmt::format("?immutable=1&written={}", written_ns(plain_name(file)));
+    return uri + "?immutable=1";
 }
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
@@ -194,9 +193,13 @@ void Database::open(Access access) {
         not_ours(connection_.file);
     }
     require_log();
-    const std::string as_it_is = immutable_uri(connection_.file);  // before it is looked at
+    const std::int64_t as_of_ns = written_ns(connection_.file);  // before it is looked at
+    const auto as_it_is = [&] {
+        connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        connection_.as_of_ns = as_of_ns;
+    };
     if (access != Access::write && lies_still(plain_name(connection_.file))) {
-        connect(as_it_is, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        as_it_is();
     }
     refuse_if<StoreError>(
         access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1,
@@ -208,7 +211,7 @@ void Database::open(Access access) {
         if (access == Access::write || has_log(plain_name(connection_.file))) {
             throw;
         }
-        connect(as_it_is, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        as_it_is();
         check_identity(access);
     }
     check_schema(access);

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 #include "engine/base/text.hpp"
-#include "data/store/written_since.hpp"
 
 namespace palpate::data {
 namespace {
@@ -18,6 +18,17 @@ namespace {
 std::mutex idle_guard;
 
 }  // namespace
+
+std::int64_t written_ns(const std::string& name) {
+    struct stat status {};
+    return stat(name.c_str(), &status) != 0
+             ? 0
+             : std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+}
+
+bool Connection::written_since() const {
+    return as_of_ns != 0 && written_ns(file) != as_of_ns;
+}
 
 void Connection::forget_idle() const noexcept {
     const std::scoped_lock lock(idle_guard);
@@ -114,7 +125,7 @@ Statement& Statement::bind_null(int parameter) {
 bool Statement::step() {
     const int code = sqlite3_step(statement_);
     const bool there = code == SQLITE_ROW;
-    if ((!there && code != SQLITE_DONE) || written_since(connection_->handle)) {
+    if ((!there && code != SQLITE_DONE) || connection_->written_since()) {
         connection_->fail(
             fmt::format("running \"{}\"", std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
     }

@@ -43,15 +43,22 @@ public:
     using StoreError::StoreError;
 };
 
+/// When a file was last written to, ns since 1970; 0: there is none.
+[[nodiscard]] std::int64_t written_ns(const std::string& name);
+
 /// An open file of SQLite: who closes it is its owner. One thread at a time.
 struct Connection {
     std::string file;
     sqlite3* handle = nullptr;
+    /// Of what is read as a file that cannot change: written_ns() of it then; 0: of all others.
+    std::int64_t as_of_ns = 0;
     /// Prepared and not in use, by their text: most are needed again soon.
     mutable std::multimap<std::string, sqlite3_stmt*, std::less<>> idle{};
 
     /// Before the handle is closed.
     void forget_idle() const noexcept;
+    /// A file that should not change was written to: what was read may be of two moments.
+    [[nodiscard]] bool written_since() const;
     /// @throws StoreError, LockedFile or DiskError by SQLite's last error
     [[noreturn]] void fail(std::string_view doing) const;
     /// Runs statements without results.

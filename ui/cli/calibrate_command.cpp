@@ -145,7 +145,8 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
     return readings;
 }
 
-/// What is known beforehand. A damping that was measured on a commissioned rig goes with its record.
+/// What is known beforehand. A damping that was measured on a commissioned rig goes with its
+/// record.
 engine::Calibration preset_of(const CalibrateOptions& options) {
     const auto there = record_in(options.output);
     refuse_if(there.has_value(),
