@@ -164,7 +164,7 @@ TEST_CASE("a machine that cannot be is refused with number and remedy", "[device
     CHECK_THROWS_WITH(Pantograph(spec), Has("counts per turn of axis 2 is 0: give"));
     spec = {};
     spec.axes[0].torque_forever = 1.0;
-    CHECK_THROWS_WITH(Pantograph(spec), Has("at most 0.7"));
+    CHECK_THROWS_WITH(Pantograph(spec), Has("at most 700"));
     spec = {};
     spec.linkage.free_2 = std::nan("");
     CHECK_THROWS_WITH(Pantograph(spec), Has("free link 2 is nan"));
