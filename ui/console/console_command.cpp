@@ -36,6 +36,7 @@ using data::Json;
 constexpr std::int64_t kLinger = 10'000 * kMillisecond;
 constexpr std::int64_t kLookEvery = 500 * kMillisecond;
 constexpr std::int64_t kSayEvery = 1000 * kMillisecond;
+constexpr std::int64_t kBlindEvery = 250 * kMillisecond;  // nothing that moves is on such a page
 
 double seconds_since(std::int64_t then_ns) {
     return std::round(static_cast<double>(monotonic_ns() - then_ns) * 1e-8) / 10.0;
@@ -179,7 +180,8 @@ private:
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
-/// with the newest tick, but for a still one. A page that did not ask for it shows nothing of what
+/// with the newest tick, but for a still one; a blind page hears of it when the force goes on or
+/// off, and four times a second. A page that did not ask for it shows nothing of what
 /// another one revealed. Ends with the session's process.
 class SessionStream {
 public:
@@ -212,6 +214,12 @@ private:
             return {};
         }
         const LiveTick& newest = ticks.back();
+        const std::int64_t now_ns = monotonic_ns();
+        if (!shown_ && newest.force_on == force_on_ && now_ns - lived_ns_ < kBlindEvery) {
+            return {};
+        }
+        lived_ns_ = now_ns;
+        force_on_ = newest.force_on;
         Json event{{"t", std::round(newest.t_s * 1e3) / 1e3},
                    {"force_on", newest.force_on},
                    {"late_us", std::round(newest.late_us)}};
@@ -227,6 +235,8 @@ private:
     std::uint64_t version_ = 1;  ///< odd: of no state
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;
+    std::int64_t lived_ns_ = 0;
+    bool force_on_ = false;
     bool alive_ = true;
 };
 
