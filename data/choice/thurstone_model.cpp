@@ -14,19 +14,48 @@ constexpr double kSharp = 0.1;
 
 /// Beyond this many times the items' range an answer tells nothing of the item.
 constexpr double kBlunt = 1000.0;
+
 double above(double z) {
     return 0.5 * std::erfc(z * std::numbers::sqrt2 / 2.0);
 }
 
-}  // namespace
-
+/// Of the standard normal distribution at z.
 double density(double z) {
     return std::isinf(z) ? 0.0 : std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
 }
 
-double between(double low, double high) {
-    return low > 0.0 ? above(low) - above(high) : above(-high) - above(-low);
+}  // namespace
+
+/// Where the place of a response ends for one item: sigmas from the percept's mean.
+struct Edge {
+    double z = 0.0;
+    double tail = 0.0;     ///< P(beyond it), on the side away from the mean
+    double density = 0.0;  ///< at z; 0 unless slopes are asked for
+
+    Edge(double at, bool slopes)
+        : z(at), tail(above(std::fabs(at))), density(slopes ? thurstone::density(at) : 0.0) {}
+};
+
+/// What value() computes of one row after the other.
+struct Model::Row {
+    std::vector<Edge> edges{};  ///< of the places of responses in use, and the last one's end
+    Parameters slope{};         ///< of a place's share, by each parameter
+};
+
+namespace {
+
+/// P(percept from low to high) without loss in either tail.
+double between(const Edge& low, const Edge& high) {
+    return low.z > 0.0 ? low.tail - high.tail
+                       : (high.z > 0.0 ? above(-high.z) : high.tail) - low.tail;
 }
+
+/// z * density; 0 without end.
+double pull(const Edge& edge) {
+    return std::isinf(edge.z) ? 0.0 : edge.z * edge.density;
+}
+
+}  // namespace
 
 double least_distance(const std::vector<double>& items) {
     double least = kInfinite;
@@ -53,10 +82,11 @@ double Model::value(const Parameters& at, Parameters* gradient, Parameters* info
             return kLowest;
         }
     }
+    Row row;
     double sum = 0.0;
     for (std::size_t f = 0; f < counts_.size(); ++f) {
         for (std::size_t i = 0; i < spec_.items.size(); ++i) {
-            sum += row_value(at, f, i, gradient, information);
+            sum += row_value(at, f, i, row, gradient, information);
         }
     }
     return std::isfinite(sum) ? sum : kLowest;
@@ -65,43 +95,51 @@ double Model::value(const Parameters& at, Parameters* gradient, Parameters* info
 double Model::row_value(const Parameters& at,
                         std::size_t f,
                         std::size_t i,
+                        Row& row,
                         Parameters* gradient,
                         Parameters* information) const {
-    const std::vector<std::int64_t>& row = counts_[f][i];
-    double total = 0.0;
-    for (const std::int64_t one : row) {
-        total += static_cast<double>(one);
+    const std::vector<std::int64_t>& counts = counts_[f][i];
+    const auto total =
+        static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
+    if (!(total > 0.0)) {
+        return 0.0;
     }
-    const double scale = (1.0 - spec_.lapse) / sigma(at, f);
+    const double one_sigma = sigma(at, f);
+    const double scale = (1.0 - spec_.lapse) / one_sigma;
+    row.edges.clear();
+    row.edges.emplace_back(-kInfinite, false);
+    for (std::size_t j = 0; j < layout_.criteria(); ++j) {
+        row.edges.emplace_back((at[j] - spec_.items[i] - shift(at, f)) / one_sigma,
+                               gradient != nullptr);
+    }
+    row.edges.emplace_back(kInfinite, false);
     double sum = 0.0;
     const std::size_t n = layout_.size();
-    Parameters slope(gradient == nullptr ? 0 : n);
-    for (std::size_t j = 0; j < layout_.used.size() && total > 0.0; ++j) {
-        const auto given = static_cast<double>(row[layout_.used[j]]);
-        const double p = share(at, f, i, j);
+    for (std::size_t j = 0; j < layout_.used.size(); ++j) {
+        const Edge& low = row.edges[j];
+        const Edge& high = row.edges[j + 1];
+        const auto given = static_cast<double>(counts[layout_.used[j]]);
+        const double p = (1.0 - spec_.lapse) * between(low, high) +
+                         spec_.lapse / static_cast<double>(counts.size());
         sum += given > 0.0 ? given * std::log(p) : 0.0;
         if (gradient == nullptr || !(p > 0.0)) {
             continue;
         }
-        const double low = edge(at, f, i, j);
-        const double high = edge(at, f, i, j + 1);
-        std::ranges::fill(slope, 0.0);
+        Parameters& slope = row.slope;
+        slope.assign(n, 0.0);
         if (j < layout_.criteria()) {
-            slope[j] += scale * density(high);
+            slope[j] += scale * high.density;
         }
         if (j > 0) {
-            slope[j - 1] -= scale * density(low);
+            slope[j - 1] -= scale * low.density;
         }
-        const auto pull = [](double z) {
-            return std::isinf(z) ? 0.0 : z * density(z);
-        };
         const double pulled = (1.0 - spec_.lapse) * (pull(high) - pull(low));
         slope[layout_.sigma(f)] -= pulled;
         if (spec_.relative && f > 0) {
             slope[layout_.sigma(0)] -= pulled;
         }
         if (layout_.shifts(f)) {
-            slope[layout_.shift(f)] -= scale * (density(high) - density(low));
+            slope[layout_.shift(f)] -= scale * (high.density - low.density);
         }
         for (std::size_t a = 0; a < n; ++a) {
             (*gradient)[a] += given / p * slope[a];

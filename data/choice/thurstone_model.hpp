@@ -36,10 +36,6 @@ inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// Of the standard normal distribution at z.
-[[nodiscard]] double density(double z);
-/// Phi(high) - Phi(low) without loss in either tail.
-[[nodiscard]] double between(double low, double high);
 /// Between two neighbours among items in rising order.
 [[nodiscard]] double least_distance(const std::vector<double>& items);
 /// Ends of ln sigma, or of ln of a ratio of two: below 0.1 of the least distance of two items
@@ -132,16 +128,6 @@ public:
                  Parameters* gradient = nullptr,
                  Parameters* information = nullptr) const;
 
-    /// P(response of place j) of an item.
-    [[nodiscard]] double share(const Parameters& at,
-                               std::size_t f,
-                               std::size_t i,
-                               std::size_t j) const {
-        const auto m = static_cast<double>(counts_.front().front().size());
-        return (1.0 - spec_.lapse) * between(edge(at, f, i, j), edge(at, f, i, j + 1)) +
-               spec_.lapse / m;
-    }
-
     /// Of condition f at `at`, in the items' unit; also where the parameters hold a ratio.
     [[nodiscard]] double sigma(const Parameters& at, std::size_t f) const {
         const bool ratio = spec_.relative && f > 0;
@@ -152,19 +138,11 @@ private:
     [[nodiscard]] double shift(const Parameters& at, std::size_t f) const {
         return layout_.shifts(f) ? at[layout_.shift(f)] : 0.0;
     }
-    /// z of the lower end of place j; j = responses in use: of the last one's upper end.
-    [[nodiscard]] double edge(const Parameters& at,
-                              std::size_t f,
-                              std::size_t i,
-                              std::size_t j) const {
-        return j == 0                 ? -kInfinite
-             : j > layout_.criteria() ? kInfinite
-                                      : (at[j - 1] - spec_.items[i] - shift(at, f)) / sigma(at, f);
-    }
-
+    struct Row;
     double row_value(const Parameters& at,
                      std::size_t f,
                      std::size_t i,
+                     Row& row,
                      Parameters* gradient,
                      Parameters* information) const;
 
