@@ -21,18 +21,22 @@ using Numbers = std::vector<std::vector<double>>;
 struct Margins {
     std::vector<double> rows;
     std::vector<double> columns;
-};
 
-Margins margins_of(const Numbers& table) {
-    Margins sums{std::vector<double>(table.size()), std::vector<double>(table.size())};
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        for (std::size_t j = 0; j < table.size(); ++j) {
-            sums.rows[i] += table[i][j];
-            sums.columns[j] += table[i][j];
+    explicit Margins(std::size_t m) : rows(m), columns(m) {}
+    /// @param cell  the number in row i and column j
+    template <class Cell>
+    void sum(const Cell& cell) {
+        std::ranges::fill(rows, 0.0);
+        std::ranges::fill(columns, 0.0);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            for (std::size_t j = 0; j < rows.size(); ++j) {
+                const double one = cell(i, j);
+                rows[i] += one;
+                columns[j] += one;
+            }
         }
     }
-    return sums;
-}
+};
 
 /// Factors of the expected table a_i b_j s_ij, s symmetric.
 struct Factors {
@@ -46,15 +50,6 @@ struct Factors {
     [[nodiscard]] double at(std::size_t i, std::size_t j) const {
         return row[i] * column[j] * pair[i][j];
     }
-    [[nodiscard]] Numbers table() const {
-        Numbers all(row.size(), std::vector<double>(row.size()));
-        for (std::size_t i = 0; i < row.size(); ++i) {
-            for (std::size_t j = 0; j < row.size(); ++j) {
-                all[i][j] = at(i, j);
-            }
-        }
-        return all;
-    }
 };
 
 double ratio(double wanted, double is) {
@@ -62,18 +57,22 @@ double ratio(double wanted, double is) {
 }
 
 /// One round of matching. @return the largest difference before it
-double match(Factors& f, const Numbers& counts, const Margins& wanted) {
+/// @param now  room for the margins there
+double match(Factors& f, const Numbers& counts, const Margins& wanted, Margins& now) {
     const std::size_t m = counts.size();
+    const auto cell = [&f](std::size_t i, std::size_t j) {
+        return f.at(i, j);
+    };
     double worst = 0.0;
-    const Margins now = margins_of(f.table());
+    now.sum(cell);
     for (std::size_t i = 0; i < m; ++i) {
         worst = std::max({worst, std::fabs(now.rows[i] - wanted.rows[i]),
                           std::fabs(now.columns[i] - wanted.columns[i])});
         f.row[i] *= ratio(wanted.rows[i], now.rows[i]);
     }
-    const Margins next = margins_of(f.table());
+    now.sum(cell);
     for (std::size_t j = 0; j < m; ++j) {
-        f.column[j] *= ratio(wanted.columns[j], next.columns[j]);
+        f.column[j] *= ratio(wanted.columns[j], now.columns[j]);
     }
     for (std::size_t i = 0; i < m; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
@@ -290,11 +289,13 @@ void add_intervals(SimilarityFit& fit, const Numbers& table) {
 SimilarityFit fit_similarity(const CallCounts& counts) {
     const Numbers table = as_numbers(counts);
     const std::size_t m = table.size();
-    const Margins wanted = margins_of(table);
+    Margins wanted(m);
+    wanted.sum([&table](std::size_t i, std::size_t j) { return table[i][j]; });
+    Margins now(m);
     Factors f(m);
     SimilarityFit fit;
     for (int round = 0; round < kMaxRounds; ++round) {
-        fit.residual = match(f, table, wanted);
+        fit.residual = match(f, table, wanted, now);
         if (fit.residual < kResidual) {
             break;
         }
