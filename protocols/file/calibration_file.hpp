@@ -31,8 +31,9 @@ struct RigFile {
     std::optional<engine::RigRecord> record{};
 };
 /// As load_calibration(). A record that was changed by hand is no record.
+/// @param also_changed  for whoever would write over it: such a record, too
 /// @throws ProtocolError also for a record whose hash is another's
-[[nodiscard]] RigFile load_rig(const std::string& name_or_file);
+[[nodiscard]] RigFile load_rig(const std::string& name_or_file, bool also_changed = false);
 
 /// The calibration's canonical text, the record, and the hash of both, as load_rig() reads them.
 [[nodiscard]] std::string to_toml(const engine::Calibration& calibration,

@@ -96,13 +96,18 @@ TEST_CASE("calibrate leaves a commissioning record as it is, and takes no dampin
           "[calibrate][commission][law]") {
     const TemporaryFolder folder;
     const std::string rig = commissioned_rig(folder, "haply:/dev/one", "mk2");
-    const std::string before = slurp(rig);
-    for (const std::string& preset : {std::string("mk2"), "'" + rig + "'"}) {
-        CAPTURE(preset);
-        check_end(calibrate("--preset " + preset + " -o '" + rig + "'"), 2,
-                  Has("rig.toml is the commissioning record of haply:/dev/one: give another file"));
-        CHECK(slurp(rig) == before);
+    const std::string sealed = slurp(rig);
+    for (const std::string& before : {sealed, "# desk 2\n" + sealed}) {  // the second has no seal
+        write(rig, before);
+        for (const std::string& preset : {std::string("mk2"), "'" + rig + "'"}) {
+            CAPTURE(preset, before);
+            check_end(
+                calibrate("--preset " + preset + " -o '" + rig + "'"), 2,
+                Has("rig.toml is the commissioning record of haply:/dev/one: give another file"));
+            CHECK(slurp(rig) == before);
+        }
     }
+    write(rig, sealed);
     const std::string other = folder.file("other.toml");
     const Finished run = calibrate("--preset '" + rig + "' -o '" + other + "'");
     CAPTURE(run.out, run.error);

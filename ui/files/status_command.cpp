@@ -44,7 +44,7 @@ Json rows_of(const data::LevelOrders& orders) {
             most = std::max(most, ++people[order]);
         }
     }
-    return {{"used", people.size()}, {"most_people", most}};
+    return {{"used", people.size()}, {"max_people", most}};
 }
 
 Json sessions_of(data::Database& database, const std::string& study) {
@@ -137,7 +137,7 @@ std::string orders_text(const char* of, const Json& rows) {
              ? std::string()
              : fmt::format("  orders of {}: {} taken, one by up to {}\n", of,
                            rows["used"].get<std::size_t>(),
-                           counted(rows["most_people"].get<std::size_t>(), "person", "people"));
+                           counted(rows["max_people"].get<std::size_t>(), "person", "people"));
 }
 
 std::string study_text(const Json& study) {

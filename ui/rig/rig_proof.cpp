@@ -152,7 +152,8 @@ protocols::RigProof::Step step_of(const engine::Calibration& calibration,
 
 std::optional<engine::RigRecord> record_in(const std::string& file) {
     try {
-        return std::filesystem::exists(file) ? protocols::load_rig(file).record : std::nullopt;
+        return std::filesystem::exists(file) ? protocols::load_rig(file, true).record
+                                             : std::nullopt;
     } catch (const std::exception&) {
         return std::nullopt;
     }

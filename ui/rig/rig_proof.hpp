@@ -34,7 +34,8 @@ struct OpeningFact {
                                     const std::string& device,
                                     const std::string& calibration);
 
-/// What was commissioned into that file; none: nothing, or there is none that can be read.
+/// What was commissioned into that file, also where it was changed by hand since; none: nothing, or
+/// there is none that can be read.
 [[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
 
 /// Says `text` and waits for Enter. @return false at the end of standard input, or once

@@ -261,7 +261,9 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     }
     if (unproved(spec)) {
         opened.provenance.emplace_back(
-            "force limit", fmt::format("{:g} N: nobody proved the rig", protocols::kUnprovedForce));
+            "force limit", fmt::format("{:g} N: nobody proved the rig",
+                                       std::min(protocols::kUnprovedForce,
+                                                spec.study.protocol.apparatus.force_limit)));
     }
     if (pushes_a_person(spec.device.kind)) {
         auto awake = std::make_shared<StayAwake>();
