@@ -127,7 +127,8 @@ PantographPlant::PantographPlant(const PlantModel& model)
       frame_(model.machine.origin, model.machine.turn),
       path_(Exploration{}) {
     check(model);
-    begin(Exploration{});
+    const Pantograph machine(model.machine);
+    angles_ = machine.reach(path_.at(0.0).position).value_or(machine.angles({}));
 }
 
 void PantographPlant::begin(const Exploration& plan) {

@@ -46,8 +46,8 @@ struct PlantModel {
 /// which 250 us is a whole part. Deterministic to the bit.
 class PantographPlant {
 public:
-    /// Holds the handle at the start of the default exploration.
-    /// @throws std::invalid_argument for a number outside its range or a start out of reach
+    /// Holds the handle at the start of the default exploration, or at home where that is out of
+    /// reach. @throws std::invalid_argument for a number outside its range
     explicit PantographPlant(const PlantModel& model);
 
     /// Puts the handle at the start of a new exploration, at rest, motors off.

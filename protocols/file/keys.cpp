@@ -174,7 +174,7 @@ constexpr Key kTiming[]{
     {.name = "break_min_s", .slot = at<&TimingSpec::break_min>, .range = {0, 3600},
      .meaning = "shortest break"},
     {.name = "gap_s", .slot = at<&TimingSpec::gap>, .range = {0, 60},
-     .meaning = "blank screen between two trials"},
+     .meaning = "blank screen between two trials, and between the two intervals of one"},
     {.name = "guard_s", .slot = at<&TimingSpec::guard>, .range = {0, 2},
      .meaning = "presses earlier than this after a screen appeared are no answer to it; 0: all are"},
     {.name = "answer_timeout_s", .slot = at<&TimingSpec::answer_timeout>, .range = {0, 3600},

@@ -75,6 +75,17 @@ TEST_CASE("HIP is what the counts say", "[device][law]") {
     }
 }
 
+TEST_CASE("a machine far from the usual start is simulated where its own exploration begins",
+          "[device][law]") {
+    PantographModel model;
+    model.plant.machine.origin += Vec2(0.4, 0.3);  // of the objects, in the linkage
+    SimulatedPantograph device(model, 1e-3);
+    const Vec2 start = Vec2(0.0, 0.06) - Vec2(0.4, 0.3);
+    device.begin({.start = start, .tremor = 0.0});
+    CHECK(glm::length(Vec2(device.read().hip) - start) < 1e-4);  // counts
+    CHECK_THROWS_WITH(device.begin({}), Has("(0, 0.06)", "move the start"));
+}
+
 TEST_CASE("a start out of reach is refused with the place and the remedy", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}), Has("0.5", "move the start"));
