@@ -153,48 +153,56 @@ double Model::row_value(const Parameters& at,
 
 Maximum climb(const Model& model, Parameters start, std::size_t held, std::size_t also) {
     const std::size_t n = start.size();
-    Parameters gradient;
-    Parameters information;
-    const auto derivatives = [&](const Parameters& at) {
-        const double value = model.value(at, &gradient, &information);
+    struct Slopes {
+        Parameters gradient{};
+        Parameters information{};
+    };
+    const auto derivatives = [&](const Parameters& at, Slopes& there) {
+        const double value = model.value(at, &there.gradient, &there.information);
         for (const std::size_t one : {held, also}) {
             if (one != kNone) {
-                gradient[one] = 0.0;
+                there.gradient[one] = 0.0;
                 for (std::size_t i = 0; i < n; ++i) {
-                    information[one * n + i] = information[i * n + one] = 0.0;
+                    there.information[one * n + i] = there.information[i * n + one] = 0.0;
                 }
-                information[one * n + one] = 1.0;
+                there.information[one * n + one] = 1.0;
             }
         }
         return value;
     };
     Maximum best{start, kLowest, std::move(start)};
-    best.value = derivatives(best.at);
+    Maximum next = best;
+    Slopes slopes;
+    Slopes next_slopes;
+    best.value = derivatives(best.at, slopes);
+    const Parameters& gradient = slopes.gradient;
+    const Parameters& information = slopes.information;
+    Parameters damped;
     double damping = 0.0;
     for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
         double trace = 0.0;
         for (std::size_t i = 0; i < n; ++i) {
             trace += information[i * n + i];
         }
-        Parameters damped = information;
+        damped = information;
         for (std::size_t i = 0; i < n; ++i) {
             damped[i * n + i] += damping * information[i * n + i];
             damped[i * n + i] += 1e-12 * (1.0 + trace);
         }
         const Parameters move = solve_symmetric(damped, gradient);
         const double promised = std::inner_product(move.begin(), move.end(), gradient.begin(), 0.0);
-        Maximum next{best.at, kLowest, best.from};
+        next.value = kLowest;
         for (std::size_t i = 0; i < n; ++i) {
-            next.at[i] += move[i];
+            next.at[i] = best.at[i] + move[i];
         }
         if (std::ranges::all_of(move, [](double one) { return std::isfinite(one); })) {
             model.keep_within(next.at, held);
-            next.value = model.value(next.at);
+            next.value = derivatives(next.at, next_slopes);
         }
         if (next.value >= best.value) {
             const bool settled = promised < 1e-13 || next.value - best.value < 1e-13;
-            best = std::move(next);
-            static_cast<void>(derivatives(best.at));
+            std::swap(best, next);
+            std::swap(slopes, next_slopes);
             damping = damping < 1e-3 ? 0.0 : 0.1 * damping;
             if (settled) {
                 break;
