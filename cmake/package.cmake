@@ -11,6 +11,12 @@ install(FILES data/trace/read_trace.py data/trace/read_trace.R DESTINATION share
 install(DIRECTORY examples DESTINATION share/palpate)
 install(DIRECTORY docs DESTINATION share/doc/palpate)
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/palpate)
+# Without links to what only the sources hold.
+install(CODE [=[
+    set(doc "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/doc/palpate")
+    file(GLOB pages "${doc}/*.md" "${doc}/docs/*.md")
+    execute_process(COMMAND sed -Ei [==[s,\[([^][]*)\]\((\.\./[a-z]|data/|LICENSE)[^)]*\),\1,g]==] ${pages}
+        COMMAND_ERROR_IS_FATAL ANY)]=])
 install(FILES LICENSE DESTINATION share/doc/palpate RENAME copyright)
 install(FILES data/page/uplot/LICENSE DESTINATION share/doc/palpate RENAME copyright.uPlot)  # in every page of a trial
 install(FILES cmake/debian/70-palpate.rules DESTINATION lib/udev/rules.d)

@@ -35,6 +35,7 @@ use_it() {
     holds 'the readers of traces that the manual names are there' \
         ls "$root/usr/share/palpate/data/trace/read_trace.py" "$root/usr/share/palpate/data/trace/read_trace.R"
     holds 'and one of them reads its file' trace_is_read
+    holds 'every link of its pages leads to a page' pages_meet
     holds 'its help names no command of the sources' no_launcher
     holds 'the SQL extension is found' $inside "$program" extension
     module=$($inside "$program" extension)
@@ -60,6 +61,13 @@ use_it() {
         '^(#.*|@palpate - (rtprio [0-9]+|memlock unlimited))?$' "$root/etc/security/limits.d/palpate.conf"
 }
 trace_is_read() { $inside python3 "$prefix/usr/share/palpate/data/trace/read_trace.py" "$study" 1; }
+pages_meet() {
+    for page in "$root"/usr/share/doc/palpate/*.md "$root"/usr/share/doc/palpate/docs/*.md; do
+        grep -oE '\]\([^)#:]+' "$page" | cut -c3- | while IFS= read -r to; do
+            [ -e "$(dirname "$page")/$to" ] || { echo "$page: $to"; return 1; }
+        done || return
+    done
+}
 no_launcher() { ! $inside "$program" --help | grep -F './palpate'; }
 every_protocol() {
     for file in "$root"/usr/share/palpate/protocols/*.toml; do
