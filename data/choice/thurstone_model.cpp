@@ -151,30 +151,39 @@ double Model::row_value(const Parameters& at,
     return sum;
 }
 
+namespace {
+
+struct Slopes {
+    Parameters gradient{};
+    Parameters information{};
+};
+
+/// Value and slopes where two parameters stay.
+double derivatives(
+    const Model& model, const Parameters& at, std::size_t held, std::size_t also, Slopes& there) {
+    const double value = model.value(at, &there.gradient, &there.information);
+    const std::size_t n = at.size();
+    for (const std::size_t one : {held, also}) {
+        if (one != kNone) {
+            there.gradient[one] = 0.0;
+            for (std::size_t i = 0; i < n; ++i) {
+                there.information[one * n + i] = there.information[i * n + one] = 0.0;
+            }
+            there.information[one * n + one] = 1.0;
+        }
+    }
+    return value;
+}
+
+}  // namespace
+
 Maximum climb(const Model& model, Parameters start, std::size_t held, std::size_t also) {
     const std::size_t n = start.size();
-    struct Slopes {
-        Parameters gradient{};
-        Parameters information{};
-    };
-    const auto derivatives = [&](const Parameters& at, Slopes& there) {
-        const double value = model.value(at, &there.gradient, &there.information);
-        for (const std::size_t one : {held, also}) {
-            if (one != kNone) {
-                there.gradient[one] = 0.0;
-                for (std::size_t i = 0; i < n; ++i) {
-                    there.information[one * n + i] = there.information[i * n + one] = 0.0;
-                }
-                there.information[one * n + one] = 1.0;
-            }
-        }
-        return value;
-    };
     Maximum best{start, kLowest, std::move(start)};
     Maximum next = best;
     Slopes slopes;
     Slopes next_slopes;
-    best.value = derivatives(best.at, slopes);
+    best.value = derivatives(model, best.at, held, also, slopes);
     const Parameters& gradient = slopes.gradient;
     const Parameters& information = slopes.information;
     Parameters damped;
@@ -197,7 +206,7 @@ Maximum climb(const Model& model, Parameters start, std::size_t held, std::size_
         }
         if (std::ranges::all_of(move, [](double one) { return std::isfinite(one); })) {
             model.keep_within(next.at, held);
-            next.value = derivatives(next.at, next_slopes);
+            next.value = derivatives(model, next.at, held, also, next_slopes);
         }
         if (next.value >= best.value) {
             const bool settled = promised < 1e-13 || next.value - best.value < 1e-13;
