@@ -55,12 +55,7 @@ double turned(double angle) {
 const std::vector<Vec2> kTriangle{{-0.030, 0.0}, {0.030, 0.005}, {0.0, 0.035}};
 
 std::string refusal(const PantographSpec& spec, const std::vector<MarkReading>& marks, bool scale) {
-    try {
-        static_cast<void>(find_home(spec, marks, scale));
-    } catch (const HomingError& refused) {
-        return refused.what();
-    }
-    return "accepted";
+    return refusal_of<HomingError>([&] { return find_home(spec, marks, scale); });
 }
 
 }  // namespace

@@ -88,13 +88,8 @@ TEST_CASE("a tick allocates nothing", "[scene][law]") {
 
 TEST_CASE("a scene refuses values out of range, with the value and the remedy", "[scene]") {
     const auto outline = stimuli::make_outline({});
-    const auto refusal = [&](const SceneSpec& spec) -> std::string {
-        try {
-            const Scene scene(outline, spec);
-        } catch (const std::invalid_argument& e) {
-            return e.what();
-        }
-        return "accepted";
+    const auto refusal = [&](const SceneSpec& spec) {
+        return refusal_of<std::invalid_argument>([&] { return Scene(outline, spec); });
     };
     CHECK_THAT(refusal({.stiffness = 0.0}), Has("stiffness is 0:", "above 0"));
     CHECK_THAT(refusal({.period = -0.001}), Has("period"));

@@ -347,16 +347,11 @@ TEST_CASE("the energy observer sees a soft contact as the spring that stores as 
 }
 
 TEST_CASE("a compliance that cannot be rendered is refused with the remedy", "[soft]") {
-    const auto says = [](const SceneSpec& spec, std::shared_ptr<const Outline> outline) {
-        try {
-            const Scene scene(std::move(outline), spec);
-        } catch (const std::invalid_argument& error) {
-            return std::string(error.what());
-        }
-        return std::string("taken");
+    const auto says = [](const SceneSpec& spec, const std::shared_ptr<const Outline>& outline) {
+        return refusal_of<std::invalid_argument>([&] { return Scene(outline, spec); });
     };
     const auto two = arcs(5.0);
-    CHECK(says({.compliance = 0.005}, two) == "taken");
+    CHECK(says({.compliance = 0.005}, two) == "accepted");
     CHECK(says({.compliance = 0.006}, two) ==
           "compliance is 0.006: give m/N above 0, at most 0.005");
     CHECK(says({.compliance = -1.0}, two) == "compliance is -1: give m/N, 0 for a rigid object");

@@ -174,12 +174,7 @@ TEST_CASE("a board of another number of axes is refused with the remedy", "[open
                             const Calibration& claimed) {
         OpenBoard board(plant, truth, *truth.board);
         BoardDesk desk(board, open_line);
-        try {
-            desk.open(claimed);
-        } catch (const std::runtime_error& error) {
-            return std::string(error.what());
-        }
-        return std::string("taken");
+        return refusal_of<std::runtime_error>([&] { desk.open(claimed); });
     };
     const Calibration two = open_machine();
     const Calibration three = gantry_machine();

@@ -75,13 +75,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
         return what;
     };
     const auto place = [&](const std::string& piece) {
-        const std::size_t at = good.find(piece);
-        const std::size_t line = good.rfind('\n', at) + 1;
-        return "p.toml:" +
-               std::to_string(
-                   std::count(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(at), '\n') +
-                   1) +
-               ':' + std::to_string(at - line + 1) + ": ";
+        return place_of(good, piece);
     };
     for (const auto& row : test_rows("adaptive_problems.tsv")) {
         CAPTURE(row);
@@ -151,16 +145,10 @@ TEST_CASE(
     if (lowest.second) {
         CHECK(what == "accepted");
     } else {
-        CHECK(what ==
-              "p.toml:" +
-                  std::to_string(std::count(staircase.begin(),
-                                            staircase.begin() + static_cast<std::ptrdiff_t>(
-                                                                    staircase.find("lowest =")),
-                                            '\n') +
-                                 1) +
-                  ":10: the rule may choose a curvature of " + lowest.first +
-                  ", and that of the standard is 5: it would take a right answer for a "
-                  "wrong one; keep it above the standard, by lowest");
+        CHECK(what == place_of(staircase, std::string(lowest.first) + "\n") +
+                          "the rule may choose a curvature of " + lowest.first +
+                          ", and that of the standard is 5: it would take a right answer for a "
+                          "wrong one; keep it above the standard, by lowest");
         CHECK_NOTHROW(stored_protocol(staircase));  // what was run stays readable
     }
     // One that seeks the point of equality may go to both sides of it.

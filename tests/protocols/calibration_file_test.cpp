@@ -13,12 +13,7 @@ namespace {
 constexpr const char* kPresets[] = {"haplet", "2diy_gen2", "2diy_gen3", "mk2"};
 
 std::string calibration_refusal(const std::string& text) {
-    try {
-        static_cast<void>(parse_calibrations(text, "c.toml"));
-    } catch (const ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
+    return refusal_of<ProtocolError>([&] { return parse_calibrations(text, "c.toml"); });
 }
 
 std::string changed(const std::string& from, const std::string& to) {

@@ -11,16 +11,6 @@ std::string default_study() {
                  "protocols/library/shape_friction.toml");
 }
 
-std::string place_of(const std::string& text, const std::string& at) {
-    const std::size_t offset = text.find(at);
-    REQUIRE(offset != std::string::npos);
-    const auto before = text.begin() + static_cast<std::ptrdiff_t>(offset);
-    const auto line = 1 + std::count(text.begin(), before, '\n');
-    const std::size_t start = text.rfind('\n', offset);
-    const std::size_t column = start == std::string::npos ? offset + 1 : offset - start;
-    return "p.toml:" + std::to_string(line) + ":" + std::to_string(column) + ": ";
-}
-
 }  // namespace
 
 TEST_CASE("every wrong file is refused at the right place, with the value and a remedy",

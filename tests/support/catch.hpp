@@ -40,6 +40,17 @@ private:
     mutable std::string lacking_;
 };
 
+/// What the error says that ends `act`, or "accepted".
+template <class Error, class Act>
+std::string refusal_of(const Act& act) {
+    try {
+        static_cast<void>(act());
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
 /// For GENERATE: `all` seeds from 0, fewer under sanitizers.
 template <class Count>
 auto seeds(Count all) {

@@ -21,12 +21,19 @@ inline std::string short_text(std::string_view name,
 
 /// Why this text is no protocol, or "accepted".
 inline std::string refusal(const std::string& text) {
-    try {
-        static_cast<void>(protocols::parse_protocol(text, "p.toml"));
-    } catch (const protocols::ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
+    return refusal_of<protocols::ProtocolError>(
+        [&] { return protocols::parse_protocol(text, "p.toml"); });
+}
+
+/// How a refusal begins that points at the first `at` of a text: "p.toml:LINE:COLUMN: ".
+inline std::string place_of(const std::string& text, const std::string& at) {
+    const std::size_t offset = text.find(at);
+    REQUIRE(offset != std::string::npos);
+    const auto before = text.begin() + static_cast<std::ptrdiff_t>(offset);
+    const auto line = 1 + std::count(text.begin(), before, '\n');
+    const std::size_t start = text.rfind('\n', offset);
+    const std::size_t column = start == std::string::npos ? offset + 1 : offset - start;
+    return fmt::format("p.toml:{}:{}: ", line, column);
 }
 
 }  // namespace palpate::tests
