@@ -81,6 +81,12 @@ QuestPlusSpec some_problem(Random& random) {
     return spec;
 }
 
+void check_same_entropies(const std::vector<double>& got, const std::vector<double>& wanted) {
+    for (std::size_t x = 0; x < wanted.size(); ++x) {
+        REQUIRE(got.at(x) == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
+    }
+}
+
 std::vector<double> some_weights(std::size_t n, Random& random) {
     std::vector<double> weights(n);
     for (double& w : weights) {
@@ -103,12 +109,8 @@ TEST_CASE("expected entropy is what its definition says", "[quest_plus][law]") {
     const std::vector<double> weights = some_weights(spec.parameters.size(), random);
     std::vector<std::size_t> all(spec.parameters.dimensions());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    const std::vector<double> wanted =
-        by_definition(spec.model, spec.stimuli, spec.parameters, weights, all);
-    const std::vector<double> got = expected_entropies(table, weights);
-    for (std::size_t x = 0; x < wanted.size(); ++x) {
-        REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
-    }
+    check_same_entropies(expected_entropies(table, weights),
+                         by_definition(spec.model, spec.stimuli, spec.parameters, weights, all));
 }
 
 TEST_CASE("expected marginal entropy is what its definition says", "[psi][law]") {
@@ -123,13 +125,9 @@ TEST_CASE("expected marginal entropy is what its definition says", "[psi][law]")
         }
     }
     const QuestPlus quest(spec);
-    const std::vector<double> wanted =
-        by_definition(spec.model, spec.stimuli, spec.parameters, quest.posterior().weights(), kept);
-    const std::vector<double> got = quest.expected();
     CAPTURE(seed, spec.nuisance);
-    for (std::size_t x = 0; x < wanted.size(); ++x) {
-        REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
-    }
+    check_same_entropies(quest.expected(), by_definition(spec.model, spec.stimuli, spec.parameters,
+                                                         quest.posterior().weights(), kept));
 }
 
 TEST_CASE("no stimulus is expected to raise the entropy", "[quest_plus][law]") {

@@ -45,6 +45,13 @@ Protocol felt_study(double stiffness = 1000.0, double rate_hz = 1000.0) {
     return protocol;
 }
 
+/// What is found, if it is one thing of that kind.
+std::string only(Verdict verdict, const std::vector<Finding>& findings) {
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == verdict));
+    return findings[0].text;
+}
+
 }  // namespace
 
 TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][law]") {
@@ -60,18 +67,14 @@ TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][
     device.what = {.damping = row.damping, .delay_ticks = row.delay};
     CHECK(check_feasibility(felt_study(row.bound, row.rate_hz), device).empty());
     CHECK(check_feasibility(felt_study(0.9 * row.bound, row.rate_hz), device).empty());
-    const auto findings = check_feasibility(felt_study(1.001 * row.bound, row.rate_hz), device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::refuse));
+    only(Verdict::refuse, check_feasibility(felt_study(1.001 * row.bound, row.rate_hz), device));
 }
 
 TEST_CASE("a refusal names the stiffness and the rate that would do, and these are accepted",
           "[feasibility][law]") {
     FakeDevice device;
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
-    const auto findings = check_feasibility(felt_study(), device);
-    REQUIRE(findings.size() == 1);
-    CHECK(findings[0].text ==
+    CHECK(only(Verdict::refuse, check_feasibility(felt_study(), device)) ==
           "the device damps 0.4 N s/m; 1000 N/m at 1000 Hz with one tick of delay needs 1.5 N s/m "
           "at the handle: lower stiffness_n_per_m to 266 or raise rate_hz to 3750");
     CHECK(check_feasibility(felt_study(266.0), device).empty());
@@ -111,9 +114,7 @@ TEST_CASE("a damper of the contact asks as much more of the device", "[feasibili
     device.what = {.damping = bound, .delay_ticks = delay};
     CHECK(check_feasibility(protocol, device).empty());
     device.what.damping = 0.999 * bound;
-    const auto findings = check_feasibility(protocol, device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::refuse));
+    only(Verdict::refuse, check_feasibility(protocol, device));
 }
 
 TEST_CASE("with a damper too, the stiffness and the rate that a refusal names are accepted",
@@ -138,10 +139,8 @@ TEST_CASE("with a damper too, the stiffness and the rate that a refusal names ar
 
 TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibility]") {
     FakeDevice device;
-    const auto findings = check_feasibility(felt_study(), device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::warn));
-    CHECK_THAT(findings[0].text, Has("needs 0.5 N s/m"));
+    CHECK_THAT(only(Verdict::warn, check_feasibility(felt_study(), device)),
+               Has("needs 0.5 N s/m"));
 }
 
 TEST_CASE("a device that gives no force can render everything", "[feasibility]") {
@@ -157,13 +156,11 @@ TEST_CASE("an object or a start pose out of reach is refused with the point", "[
     CHECK(check_feasibility(felt_study(), device).empty());
 
     device.reach = 0.05;  // the object reaches to 40 mm and a bulge, the start pose is at 60 mm
-    auto findings = check_feasibility(felt_study(), device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::refuse));
-    CHECK_THAT(findings[0].text, Has("start pose (0.0, 60.0) mm"));
+    CHECK_THAT(only(Verdict::refuse, check_feasibility(felt_study(), device)),
+               Has("start pose (0.0, 60.0) mm"));
 
     device.reach = 0.0399;  // A, V and B are 40 mm away
-    findings = check_feasibility(felt_study(), device);
+    const auto findings = check_feasibility(felt_study(), device);
     REQUIRE(findings.size() == 2);
     CHECK((findings[0].verdict == Verdict::refuse));
     CHECK_THAT(findings[0].text, Has("(-40.0, 0.0) mm", "\"concave\""));
@@ -205,10 +202,8 @@ TEST_CASE("a weak device is a warning that says from where on the force clips", 
     device.what.damping = 1.0;
     device.reach = 1.0;
     device.force = 4.0;
-    const auto findings = check_feasibility(felt_study(500.0), device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::warn));
-    CHECK_THAT(findings[0].text, Has("gives 4 N", "a depth of 8 mm", "force_limit_n = 10"));
+    CHECK_THAT(only(Verdict::warn, check_feasibility(felt_study(500.0), device)),
+               Has("gives 4 N", "a depth of 8 mm", "force_limit_n = 10"));
     device.force = 10.0;
     CHECK(check_feasibility(felt_study(500.0), device).empty());
 }
@@ -236,7 +231,5 @@ TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibi
     protocol.apparatus.force_limit = 0.99 * least;
     CHECK(check_feasibility(protocol, device).empty());
     protocol.apparatus.force_limit = 1.01 * least;
-    const auto findings = check_feasibility(protocol, device);
-    REQUIRE(findings.size() == 1);
-    CHECK((findings[0].verdict == Verdict::warn));
+    only(Verdict::warn, check_feasibility(protocol, device));
 }

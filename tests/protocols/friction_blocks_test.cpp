@@ -59,19 +59,6 @@ std::vector<std::string> names(const Protocol& protocol, const std::vector<std::
     return names;
 }
 
-double chi_square(const std::map<std::size_t, double>& counts, std::size_t cells) {
-    double all = 0.0;
-    for (const auto& [cell, count] : counts) {
-        all += count;
-    }
-    const double expected = all / static_cast<double>(cells);
-    double sum = expected * static_cast<double>(cells - counts.size());
-    for (const auto& [cell, count] : counts) {
-        sum += (count - expected) * (count - expected) / expected;
-    }
-    return sum;
-}
-
 }  // namespace
 
 TEST_CASE("a friction block has one friction, every object equally often, and keeps the run limit",

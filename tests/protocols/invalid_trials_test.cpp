@@ -1,7 +1,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/trial_meter.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/protocols/orders.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate::protocols;
@@ -112,7 +112,7 @@ TEST_CASE("every later place of the block is equally likely, and none of another
     const auto length = static_cast<std::size_t>(std::count_if(
         plan.trials.begin(), plan.trials.end(),
         [&](const PlannedTrial& planned) { return part_of(plan, planned.position) == 1; }));
-    std::vector<double> counts(length);
+    std::map<std::size_t, std::size_t> counts;  // of its places in the block
     constexpr std::size_t kDraws = 20000;
     for (std::size_t seed = 0; seed < kDraws; ++seed) {
         PendingTrials pending(plan, rule_of(seed, 10));
@@ -125,15 +125,10 @@ TEST_CASE("every later place of the block is equally likely, and none of another
         REQUIRE(static_cast<std::size_t>(place) < length);
         ++counts[static_cast<std::size_t>(place)];
     }
-    CHECK(counts[0] == 0.0);  // not at once
-    const double expected = static_cast<double>(kDraws) / static_cast<double>(length - 1);
-    double chi = 0.0;
-    for (std::size_t place = 1; place < length; ++place) {
-        chi += (counts[place] - expected) * (counts[place] - expected) / expected;
-    }
+    CHECK_FALSE(counts.contains(0));  // not at once
     // Mean f, standard deviation sqrt(2 f): five of them are beyond 1e-5 for the few degrees here.
     const auto f = static_cast<double>(length - 2);
-    CHECK(chi < f + 5.0 * std::sqrt(2.0 * f));
+    CHECK(chi_square(counts, length - 1) < f + 5.0 * std::sqrt(2.0 * f));
 }
 
 TEST_CASE("an answered trial that breaks a rule says which and by how much", "[session][invalid]") {

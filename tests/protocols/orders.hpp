@@ -50,7 +50,24 @@ inline std::map<Order, std::size_t> admissible(Order trials, const RunLimits& li
     return orders;
 }
 
-/// Pearson's chi-square against equal shares, as standard deviations from its mean k - 1.
+/// Pearson's chi-square against equal shares of so many cells, of which those without a count may
+/// be left out.
+template <class Counts>
+double chi_square(const Counts& counts, std::size_t cells) {
+    double all = 0.0;
+    for (const auto& [cell, count] : counts) {
+        all += static_cast<double>(count);
+    }
+    const double expected = all / static_cast<double>(cells);
+    double sum = expected * static_cast<double>(cells - counts.size());
+    for (const auto& [cell, count] : counts) {
+        const double off = static_cast<double>(count) - expected;
+        sum += off * off / expected;
+    }
+    return sum;
+}
+
+/// The same as standard deviations from its mean k - 1.
 template <class Key, class Draw>
 double excess_of_chi_square(std::map<Key, std::size_t> counts,
                             std::size_t draws,
@@ -60,14 +77,8 @@ double excess_of_chi_square(std::map<Key, std::size_t> counts,
         REQUIRE(cell != counts.end());
         ++cell->second;
     }
-    const double expected = static_cast<double>(draws) / static_cast<double>(counts.size());
-    double chi_square = 0.0;
-    for (const auto& [order, count] : counts) {
-        const double off = static_cast<double>(count) - expected;
-        chi_square += off * off / expected;
-    }
     const double freedom = static_cast<double>(counts.size()) - 1.0;
-    return (chi_square - freedom) / std::sqrt(2.0 * freedom);
+    return (chi_square(counts, counts.size()) - freedom) / std::sqrt(2.0 * freedom);
 }
 
 }  // namespace palpate::tests

@@ -43,12 +43,16 @@ void check_spread(const Spread& found, double mean, double sd) {
     CHECK(found.sd == Approx(sd).epsilon(4.0 / std::sqrt(8000.0)));
 }
 
-Protocol three_objects() {
+Protocol study_of(const std::vector<double>& curvatures) {
     Protocol protocol;
-    for (const double curvature : {-10.0, 0.0, 10.0}) {
+    for (const double curvature : curvatures) {
         protocol.objects.push_back({.name = "", .curvature = curvature});
     }
     return protocol;
+}
+
+Protocol three_objects() {
+    return study_of({-10.0, 0.0, 10.0});
 }
 
 }  // namespace
@@ -228,15 +232,8 @@ double below(double z) {
     return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-double log_odds(double share) {
-    return std::log(share / (1.0 - share));
-}
-
 Protocol five_objects() {
-    Protocol protocol;
-    for (const double curvature : {-10.0, -5.0, 0.0, 5.0, 10.0}) {
-        protocol.objects.push_back({.name = "", .curvature = curvature});
-    }
+    Protocol protocol = study_of({-10.0, -5.0, 0.0, 5.0, 10.0});
     protocol.frictions = {{.name = "off"}, {.name = "on", .mu_s = 0.7, .mu_d = 0.5}};
     protocol.design.repetitions = 10;
     return protocol;
@@ -331,7 +328,7 @@ TEST_CASE("an effect in log odds is that effect for every person, and none is no
                               LogitEffect{.mean = mean, .sd = 0.0});
     for (std::size_t i = 0; i < 50; ++i) {
         const JudgedPerson one = people.person(1, 7, i);
-        CHECK(log_odds(one.share_with) - log_odds(one.share_without) == Approx(mean).margin(1e-9));
+        CHECK(logit_of(one.share_with) - logit_of(one.share_without) == Approx(mean).margin(1e-9));
     }
     const Sums sums = sums_of(people, 800);  // 40,000 trials each
     CHECK((sums.with - sums.without) / sums.trials == Approx(sums.expected).margin(0.014));

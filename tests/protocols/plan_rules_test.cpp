@@ -36,15 +36,9 @@ double worst_place(const Order& trials, std::size_t draws, const Draw& draw) {
             ++places[place][order[place]];
         }
     }
-    const double expected = static_cast<double>(draws) / static_cast<double>(conditions.size());
     double worst = 0.0;
-    for (auto& counts : places) {
-        double chi_square = 0.0;
-        for (const Condition& condition : conditions) {
-            const double off = static_cast<double>(counts[condition]) - expected;
-            chi_square += off * off / expected;
-        }
-        worst = std::max(worst, chi_square);
+    for (const auto& counts : places) {
+        worst = std::max(worst, chi_square(counts, conditions.size()));
     }
     return worst;
 }

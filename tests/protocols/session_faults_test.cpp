@@ -97,6 +97,12 @@ std::vector<std::pair<std::size_t, Outcome>> felt(const Ledger& ledger) {
     return all;
 }
 
+/// Who stops at the first trouble.
+class Stopping : public Patient {
+public:
+    std::optional<Signal> trouble(const TroubleView& /*view*/) override { return Signal::abort; }
+};
+
 /// What an unbroken session of the same world felt.
 std::vector<std::pair<std::size_t, Outcome>> unbroken(World world) {
     Patient observer;
@@ -280,12 +286,6 @@ TEST_CASE("no session goes on before the device works, however often it is asked
 }
 
 TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][fault]") {
-    class Stopping : public Patient {
-    public:
-        std::optional<Signal> trouble(const TroubleView& /*view*/) override {
-            return Signal::abort;
-        }
-    };
     World world{.fault_share = 1.0, .away = 5};
     Stopping observer;
     Ledger ledger;
@@ -313,48 +313,34 @@ TEST_CASE(
     "[session][fault]") {
     Plan plan = kShortPlan;
     plan.trials.resize(1);
-    World world;
-    Patient observer;
-    class Never : public Patient {
-    public:
-        std::optional<Signal> trouble(const TroubleView& /*v*/) override { return Signal::abort; }
-    };
-    {
-        FaultyApparatus apparatus(world);
-        apparatus.trips_in_ramp = true;
-        Ledger ledger;
-        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
-                          {apparatus, observer, ledger})
-                  .why == Why::finished);
+    Ledger ledger;
+    const auto runs = [&](FaultyApparatus& apparatus) {
+        Stopping observer;
+        const SessionEnd end =
+            run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
+                        {apparatus, observer, ledger});
         REQUIRE(ledger.attempts.size() == 1);
-        CHECK(ledger.attempts[0].outcome == Outcome::complete);
-        CHECK_FALSE(ledger.attempts[0].result.fault.has_value());
+        const bool spoilt = ledger.attempts[0].outcome == Outcome::faulted;
+        CHECK((end.why == (spoilt ? Why::aborted : Why::finished)));
+        CHECK(ledger.attempts[0].result.fault.has_value() == spoilt);
+        return ledger.attempts[0].outcome;
+    };
+    World world;
+    FaultyApparatus apparatus(world);
+    SECTION("in the ramp out") {
+        apparatus.trips_in_ramp = true;
+        CHECK(runs(apparatus) == Outcome::complete);
         REQUIRE(ledger.events.size() == 1);
         CHECK_THAT(ledger.events[0], Has("had ended: late"));
     }
-    {
-        FaultyApparatus apparatus(world);
+    SECTION("there, told from the strokes before done") {
         apparatus.trips_in_ramp = true;
-        apparatus.ramp_trip = engine::Trip::stuck_encoder;  // told from the strokes before done
-        Never never;
-        Ledger ledger;
-        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
-                          {apparatus, never, ledger})
-                  .why == Why::aborted);
-        REQUIRE(ledger.attempts.size() == 1);
-        CHECK(ledger.attempts[0].outcome == Outcome::faulted);
-        CHECK(ledger.attempts[0].result.fault.has_value());
+        apparatus.ramp_trip = engine::Trip::stuck_encoder;
+        CHECK(runs(apparatus) == Outcome::faulted);
     }
-    {
-        FaultyApparatus apparatus(world);
-        apparatus.hidden_trip_ms = 300;  // in the slice in which done is pressed
-        Never never;
-        Ledger ledger;
-        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
-                          {apparatus, never, ledger})
-                  .why == Why::aborted);
-        REQUIRE(ledger.attempts.size() == 1);
-        CHECK(ledger.attempts[0].outcome == Outcome::faulted);
+    SECTION("in the slice in which done is pressed") {
+        apparatus.hidden_trip_ms = 300;
+        CHECK(runs(apparatus) == Outcome::faulted);
         CHECK(ledger.attempts[0].result.fault->cause == engine::Trip::energy);
     }
 }

@@ -1,5 +1,5 @@
 #include "protocols/procedure/procedure.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/protocols/orders.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
@@ -168,7 +168,7 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
                          .trials = 4000});
     }
     Staircases run(specs, Pcg32(7, 9));
-    std::array<std::array<int, 3>, 3> after{};
+    std::map<std::pair<std::size_t, std::size_t>, int> neighbours;
     std::vector<Staircase> alone;
     for (const StaircaseSpec& spec : specs) {
         alone.emplace_back(spec);
@@ -178,7 +178,7 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
     constexpr int kTrials = 9000;  // nobody is finished yet, but for one seed in thousands
     for (int i = 0; i < kTrials; ++i) {
         const std::size_t track = run.track();
-        ++after[before][track];
+        ++neighbours[{before, track}];
         before = track;
         REQUIRE(run.next()[0] == alone[track].level());
         const bool right = random.coin();
@@ -187,13 +187,7 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
     }
     // Chi-square over the pairs of neighbours: 8 degrees of freedom, 26.1 is passed once in a
     // thousand.
-    double chi = 0.0;
-    for (const auto& row : after) {
-        for (const int count : row) {
-            chi += (count - kTrials / 9.0) * (count - kTrials / 9.0) / (kTrials / 9.0);
-        }
-    }
-    CHECK(chi < 26.1);
+    CHECK(chi_square(neighbours, 9) < 26.1);
     while (!run.finished()) {
         run.update(run.next(), 1);
     }
@@ -211,11 +205,7 @@ TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]
         ++orders[std::vector<double>(run.order().begin(), run.order().end())];
     }
     REQUIRE(orders.size() == 6);
-    double chi = 0.0;
-    for (const auto& [order, count] : orders) {
-        chi += (count - kRuns / 6.0) * (count - kRuns / 6.0) / (kRuns / 6.0);
-    }
-    CHECK(chi < 20.5);  // 5 degrees of freedom, once in a thousand
+    CHECK(chi_square(orders, 6) < 20.5);  // 5 degrees of freedom, once in a thousand
 
     for (std::uint64_t seed = 0; seed < 50; ++seed) {
         const bool in_blocks = seed % 2 == 0;

@@ -204,14 +204,7 @@ TEST_CASE("what stands against every force is said while it does, and nothing go
     World world;
     FaultyApparatus apparatus(world);
     Kinds kept;
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
-    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
-                                       {.apparatus = apparatus,
-                                        .observer = observer,
-                                        .recorder = kept,
-                                        .pause = [](double) {},
-                                        .desk = &desk});
+    const SessionEnd end = run_on(short_protocol(), apparatus, observer, kept, &desk);
     CHECK((end.why == SessionEnd::Why::finished));
     CHECK(observer.released == 3);
     CHECK(kept.count[EventKind::go_on] == 3);
@@ -263,14 +256,7 @@ TEST_CASE(
         int pulses_ = 0;
     } observer(rig, in_trouble ? &desk : nullptr);
     Kinds kept;
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
-    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
-                                       {.apparatus = rig,
-                                        .observer = observer,
-                                        .recorder = kept,
-                                        .pause = [](double) {},
-                                        .desk = &desk});
+    const SessionEnd end = run_on(short_protocol(), rig, observer, kept, &desk);
     CHECK((end.why == SessionEnd::Why::finished));
     CHECK(observer.stops >= 2);
 }

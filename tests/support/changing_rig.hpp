@@ -125,14 +125,17 @@ private:
 };
 
 inline SessionEnd run_on(const Protocol& protocol,
-                         ChangingRig& rig,
+                         Apparatus& rig,
                          Patient& observer,
-                         Kinds& kept) {
+                         Kinds& kept,
+                         OperatorDesk* desk = nullptr) {
     const Plan plan = plan_of(protocol);
-    return run_session(
-        protocol, plan, {}, SessionProgress(protocol, plan, {}),
-        {.apparatus = rig, .observer = observer, .recorder = kept, .pause = [](double) {
-         }});
+    return run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                       {.apparatus = rig,
+                        .observer = observer,
+                        .recorder = kept,
+                        .pause = [](double) {},
+                        .desk = desk});
 }
 
 }  // namespace palpate::tests
