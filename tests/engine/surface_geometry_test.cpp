@@ -6,8 +6,7 @@ using namespace palpate::engine;
 namespace {
 
 double gap(const Vec3& a, const Long3& b) {
-    const Long3 d = minus(b, a);
-    return static_cast<double>(std::sqrt(inner(d, d)));
+    return length(minus(b, a));
 }
 
 /// A point of the domain, on a knot now and then.
@@ -16,10 +15,6 @@ double parameter(Random& random, const std::vector<double>& knots) {
         return knots[random.index(knots.size())];
     }
     return random.in(knots.front(), knots.back());
-}
-
-double length(const Long3& a) {
-    return static_cast<double>(std::sqrt(inner(a, a)));
 }
 
 }  // namespace

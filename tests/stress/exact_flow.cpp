@@ -12,10 +12,6 @@ constexpr int kMaxSteps = 4000;
 constexpr long double kStepError = 1e-12L;  ///< of |r|, or of the size if that is less
 constexpr long double kOn = 1e-14L;         ///< so close to an edge is on it, of its range
 
-Long3 crossed(const Long3& a, const Long3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// The interval of index i among those that are not empty.
 std::size_t knot_of(const std::vector<double>& t, std::size_t i) {
     for (std::size_t k = 0; k + 1 < t.size(); ++k) {

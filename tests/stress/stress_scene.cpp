@@ -9,8 +9,6 @@ using namespace palpate::tests;
 using engine::Vec2;
 using Chain = std::vector<NurbsData<2>>;
 
-constexpr std::array<const char*, 3> kLaws{"frictionless", "gos", "coulomb"};
-
 NurbsData<2> bezier(std::vector<Vec2> points, std::vector<double> weights) {
     NurbsData<2> curve;
     curve.degree = static_cast<int>(points.size()) - 1;
@@ -171,6 +169,21 @@ std::string list(const std::vector<double>& values) {
 
 }  // namespace
 
+engine::Friction random_friction(Random& random, std::string_view law) {
+    const auto time = [&random] {
+        return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
+    };
+    const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
+    if (law == "coulomb") {
+        return {.mu_s = mu_d, .mu_d = mu_d};
+    }
+    if (law != "gos") {
+        return {};
+    }
+    const double mu_s = mu_d + (random.below(4) == 0 ? 0.0 : random.decade(-2.0, 0.3));
+    return {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
+}
+
 StressScene random_scene(std::uint64_t seed, Mood mood) {
     Random random(seed);
     StressScene scene{.seed = seed, .segments = random_chain(random, mood)};
@@ -186,17 +199,8 @@ StressScene random_scene(std::uint64_t seed, Mood mood) {
     scene.renderer.stiffness = random.coin() ? 1000.0 : random.decade(0.0, 4.0);
     scene.renderer.damping = random.below(4) == 0 ? random.decade(-3.0, 1.0) : 0.0;
     const int law = random.below(4);
-    const auto time = [&random] {
-        return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
-    };
     scene.friction.law = kLaws.at(law == 3 ? 1 : static_cast<std::size_t>(law));
-    const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
-    if (scene.friction.law == "coulomb") {
-        scene.friction.set = {.mu_s = mu_d, .mu_d = mu_d};
-    } else if (scene.friction.law == "gos") {
-        const double mu_s = mu_d + (random.below(4) == 0 ? 0.0 : random.decade(-2.0, 0.3));
-        scene.friction.set = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
-    }
+    scene.friction.set = random_friction(random, scene.friction.law);
     scene.friction.slew = {.speed = 0.0, .radius = 0.003};
     if (random.below(3) == 0 && (mood == Mood::gentle || mood == Mood::wild)) {
         scene.friction.slew = {.speed = size * random.decade(-1.0, 2.0),

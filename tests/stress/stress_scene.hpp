@@ -33,6 +33,10 @@ inline constexpr std::array<const char*, 5> kMoods{"gentle", "wild", "study", "c
 /// 1e3 m, with kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.
 [[nodiscard]] StressScene random_scene(std::uint64_t seed, Mood mood);
 
+/// What a scene may be rubbed by, and numbers of one of them.
+inline constexpr std::array<const char*, 3> kLaws{"frictionless", "gos", "coulomb"};
+[[nodiscard]] engine::Friction random_friction(tests::Random& random, std::string_view law);
+
 /// As `palpate render` reads it, every number with all its digits.
 [[nodiscard]] std::string scene_text(const StressScene& scene);
 

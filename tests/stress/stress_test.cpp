@@ -1,5 +1,4 @@
-#include "tests/stress/stress_run.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/stress/held.hpp"
 
 using namespace palpate::stress;
 
@@ -9,14 +8,9 @@ TEST_CASE("every tick of random hands in random scenes holds every law", "[stres
     Tally tally;
     for (std::uint64_t i = 0; i < 50; ++i) {
         const std::uint64_t seed = 1 + 50 * slice + i;
-        const auto c = random_case(seed, Mood::gentle);
-        if (!c) {
-            continue;
+        if (const auto c = random_case(seed, Mood::gentle)) {
+            holds(*c, seed, tally);
         }
-        const auto breach = feel(*c, tally, false);
-        CAPTURE(seed, breach ? breach->tick : 0, breach ? breach->value : 0.0,
-                breach ? breach->limit : 0.0);
-        CHECK((breach ? breach->law : "") == "");
     }
     CHECK(tally.in_contact > 2000);
     CHECK(tally.walks > 1000);
@@ -27,15 +21,12 @@ TEST_CASE(
     "leaps",
     "[stress][law]") {
     const auto mood = GENERATE(Mood::wild, Mood::study, Mood::cusp, Mood::huge);
+    CAPTURE(kMoods.at(static_cast<std::size_t>(mood)));
     Tally tally;
     for (std::uint64_t seed = 1; seed <= 25; ++seed) {
-        const auto c = random_case(seed, mood);
-        if (!c) {
-            continue;
+        if (const auto c = random_case(seed, mood)) {
+            holds(*c, seed, tally);
         }
-        const auto breach = feel(*c, tally, false);
-        CAPTURE(seed, kMoods.at(static_cast<std::size_t>(mood)), breach ? breach->tick : 0);
-        CHECK((breach ? breach->law : "") == "");
     }
     CHECK(tally.walks > 1000);
 }
@@ -48,9 +39,7 @@ TEST_CASE("where doubles do not tell, and where an excess does not fall, the fir
     for (const std::uint64_t seed : {205U, 323U, 913U, 1178U, 209U, 640U, 655U, 868U}) {
         const auto c = random_case(seed, Mood::wild);
         REQUIRE(c);
-        const auto breach = feel(*c, tally, false);
-        CAPTURE(seed, breach ? breach->tick : 0);
-        CHECK((breach ? breach->law : "") == "");
+        holds(*c, seed, tally);
     }
 }
 
@@ -73,27 +62,14 @@ TEST_CASE("scenes in which long runs once found a law broken hold every law", "[
     const auto c = random_case(found.seed, found.mood);
     REQUIRE(c);
     Tally tally;
-    const auto breach = feel(*c, tally, false);
-    CAPTURE(found.seed, breach ? breach->tick : 0);
-    CHECK((breach ? breach->law : "") == "");
+    holds(*c, found.seed, tally);
 }
-
-namespace {
-
-void check_surface(std::uint64_t seed, Mood mood, Tally& tally) {
-    const auto breach = feel(random_surface_case(seed, mood), tally, false);
-    CAPTURE(seed, breach ? breach->tick : 0, breach ? breach->value : 0.0,
-            breach ? breach->limit : 0.0);
-    CHECK((breach ? breach->law : "") == "");
-}
-
-}  // namespace
 
 TEST_CASE("every tick of random hands over random surfaces holds every law",
           "[stress][surface][law]") {
     Tally tally;
     for (std::uint64_t seed = 1; seed <= tests::cases(60U); ++seed) {
-        check_surface(seed, Mood::gentle, tally);
+        holds(random_surface_case(seed, Mood::gentle), seed, tally);
     }
     CHECK(tally.in_contact > tests::cases(2000U));
 }
@@ -103,10 +79,9 @@ TEST_CASE("every tick of random hands over surfaces in pieces holds every law",
     Tally tally;
     for (const auto mood : {Mood::gentle, Mood::wild}) {
         for (std::uint64_t seed = 1; seed <= tests::cases(40U); ++seed) {
-            const auto c = random_patches_case(seed, mood);
-            const auto breach = c ? feel(*c, tally, false) : std::nullopt;
-            CAPTURE(seed, breach ? breach->tick : 0);
-            CHECK((breach ? breach->law : "") == "");
+            if (const auto c = random_patches_case(seed, mood)) {
+                holds(*c, seed, tally);
+            }
         }
     }
     CHECK(tally.in_contact > tests::cases(5000U));
@@ -121,20 +96,18 @@ TEST_CASE("surfaces on which the god-object was once left outside of its cone ho
     Tally tally;
     for (const std::uint64_t seed :
          {72U, 91U, 131U, 221U, 350U, 352U, 441U, 554U, 561U, 9800243U}) {
-        check_surface(seed, Mood::gentle, tally);
+        holds(random_surface_case(seed, Mood::gentle), seed, tally);
     }
     for (const std::uint64_t seed : {20U, 25U, 59U, 82U, 117U, 127U, 167U, 187U, 239U, 348U, 4023U,
                                      4733U, 30127U, 10250140U, 14100063U}) {
-        check_surface(seed, Mood::wild, tally);
+        holds(random_surface_case(seed, Mood::wild), seed, tally);
     }
     // A foot that came to rest only in the tick after; a corner that a pole shares, and a crease of
     // which one side carries, where the god-object went from side to side.
     for (const std::uint64_t seed : {10180U, 13275U, 20674U}) {
         const auto c = random_patches_case(seed, Mood::wild);
         REQUIRE(c);
-        const auto breach = feel(*c, tally, false);
-        CAPTURE(seed, breach ? breach->tick : 0);
-        CHECK((breach ? breach->law : "") == "");
+        holds(*c, seed, tally);
     }
 }
 

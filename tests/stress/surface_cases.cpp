@@ -9,7 +9,6 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 
 constexpr double kQuickest = 10.0;  // m/s
-constexpr std::array<const char*, 3> kSurfaceLaws{"frictionless", "gos", "coulomb"};
 
 Vec3 point(Random& random, double lo, double hi) {
     const double x = random.in(lo, hi);
@@ -338,17 +337,8 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     }
     c.spec.period = random.coin() ? 0.001 : random.decade(-4.0, -2.0);
     c.spec.stiffness = random.coin() ? 1000.0 : random.decade(0.0, 4.0);
-    const auto time = [&random] {
-        return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
-    };
-    c.law = kSurfaceLaws.at(random.index(3));
-    const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
-    if (c.law == "coulomb") {
-        c.spec.friction = {.mu_s = mu_d, .mu_d = mu_d};
-    } else if (c.law == "gos") {
-        const double mu_s = mu_d + (random.below(4) == 0 ? 0.0 : random.decade(-2.0, 0.3));
-        c.spec.friction = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
-    }
+    c.law = kLaws.at(random.index(3));
+    c.spec.friction = random_friction(random, c.law);
     c.surface = std::make_shared<const engine::NurbsSurface>(make_surface(c.data));
     c.path = SpaceHand(random, c, mood).path(50 + random.index(350));
     return c;

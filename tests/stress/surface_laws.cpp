@@ -26,14 +26,6 @@ bool free(const SurfaceContact& c) noexcept {
     return c.mode == Mode::free;
 }
 
-Long3 cross(const Long3& a, const Long3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double length(const Long3& a) {
-    return static_cast<double>(std::sqrt(inner(a, a)));
-}
-
 /// The pieces of a knot vector that hold u: two on a knot.
 std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
     std::vector<std::size_t> found;
@@ -144,7 +136,7 @@ bool SurfaceLaws::singular(const SurfaceContact& c) const {
     const LongJet jet = oracle(c).jet(c.go_u, c.go_v);
     const double a = length(jet.su);
     const double b = length(jet.sv);
-    const double area = length(cross(jet.su, jet.sv));
+    const double area = length(crossed(jet.su, jet.sv));
     const double size = scene_->object().size();
     return a < 1e-4 * size || b < 1e-4 * size || area < 1e-3 * a * b;
 }
@@ -170,7 +162,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
             const double bits =
                 4e-16 * (length(jet.su) * d.knots_u.back() + length(jet.sv) * d.knots_v.back());
             off = std::min(off, length(minus(jet.s, c.go)) - bits);
-            const Long3 area = cross(jet.su, jet.sv);
+            const Long3 area = crossed(jet.su, jet.sv);
             const double across = length(area);
             const double a = length(jet.su);
             const double b = length(jet.sv);

@@ -30,6 +30,12 @@ inline Long3 operator*(long double s, const Long3& a) {
 inline long double inner(const Long3& a, const Long3& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+inline Long3 crossed(const Long3& a, const Long3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const Long3& a) {
+    return static_cast<double>(std::sqrt(inner(a, a)));
+}
 inline Long3 minus(const Long3& a, const engine::Vec3& h) {
     return {a[0] - h.x, a[1] - h.y, a[2] - h.z};
 }
