@@ -12,8 +12,6 @@ using namespace palpate::engine;
 
 namespace {
 
-constexpr Vec2 kForce{0.4, -0.5};
-
 /// No such process, or one that ended and was not reaped by its parent.
 bool gone(pid_t pid) {
     std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
@@ -21,22 +19,6 @@ bool gone(pid_t pid) {
     std::string state;
     file >> skip >> skip >> state;
     return !file || state == "Z" || state == "X";
-}
-
-/// A process that presses, at last. Where the machine is so busy that the guard took its force
-/// before anybody saw it, another one begins.
-std::unique_ptr<Presser> pressing(const EmulatedBoard& board,
-                                  Presser::End end = Presser::End::signal,
-                                  const Calibration& calibration = haply_machine()) {
-    for (int attempt = 0; attempt < 10; ++attempt) {
-        auto presser = std::make_unique<Presser>(board.path(), calibration, kForce, end);
-        const bool over =
-            eventually([&] { return !board.motors().off() || presser->fault() != 0; });
-        if (over && presser->fault() == 0) {
-            return presser;
-        }
-    }
-    throw std::runtime_error("nothing ever pressed");
 }
 
 bool off(const EmulatedBoard& board) {
@@ -59,7 +41,7 @@ bool stays_off(const EmulatedBoard& board) {
 TEST_CASE("however palpate dies with the force on, its motors go to zero", "[guard][law]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     EACH(death, SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
-    const auto presser = pressing(board);
+    const auto presser = pressing(board, haply_machine());
     const pid_t guard = presser->guard();
     presser->signal(death);
     presser->reap();
@@ -81,7 +63,7 @@ TEST_CASE(
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         CAPTURE(seed);
         Random random(seed);
-        const auto presser = pressing(board, Presser::End::signal, calibration);
+        const auto presser = pressing(board, calibration);
         const pid_t guard = presser->guard();
         const int hushed = random.below(3);  // before, between or not at all
         // A Haply board has no watchdog: there one of both is spared, or nobody is left to end it.
@@ -117,7 +99,8 @@ TEST_CASE(
     "[guard][law]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const bool stopped = GENERATE(true, false);
-    const auto presser = pressing(board, stopped ? Presser::End::signal : Presser::End::hang);
+    const auto presser =
+        pressing(board, haply_machine(), stopped ? Presser::End::signal : Presser::End::hang);
     if (stopped) {
         presser->signal(SIGSTOP);
     } else {
@@ -140,7 +123,7 @@ TEST_CASE(
 TEST_CASE("when its guard is killed or stopped the driver gives no more force", "[guard][law]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const int blow = GENERATE(SIGKILL, SIGSTOP);
-    const auto presser = pressing(board);
+    const auto presser = pressing(board, haply_machine());
     const pid_t guard = presser->guard();
     kill(guard, blow);
     CHECK(off(board));

@@ -3,6 +3,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
 
 using namespace palpate::engine;
 
@@ -82,18 +83,6 @@ std::vector<TickRecord> run_trial(ThreadServo& servo, const Scene& felt, std::si
     return all;
 }
 
-/// Waits, for as long as a slow machine may take, until `held`.
-template <class Held>
-bool comes_true(Held held) {
-    for (int i = 0; i < 20'000; ++i) {
-        if (held()) {
-            return true;
-        }
-        nap(1);
-    }
-    return false;
-}
-
 }  // namespace
 
 TEST_CASE("trials on one thread: ticks without a gap, true time, force out and zero written last",
@@ -161,7 +150,7 @@ TEST_CASE("a parked device is never touched: before the first trial, after park,
     REQUIRE(run_trial(servo, felt, 10).size() >= 10);
     const std::int64_t resting = device.touches();
     CHECK(
-        comes_true([&] { return device.touches() > resting + 20; }));  // between trials it is read
+        eventually([&] { return device.touches() > resting + 20; }));  // between trials it is read
     CHECK(device.zero_was_last());
     servo.park();
     CHECK(untouched());
@@ -170,13 +159,13 @@ TEST_CASE("a parked device is never touched: before the first trial, after park,
     CHECK(untouched());
     servo.unpark();
     const std::int64_t before = device.touches();
-    CHECK(comes_true([&] { return device.touches() > before + 20; }));
+    CHECK(eventually([&] { return device.touches() > before + 20; }));
     CHECK(servo.resting()->at_ns > 0);
 
     servo.park();
     device.fail_after(0, DeviceFault::garbage);
     servo.begin(felt);
-    CHECK(comes_true([&] { return servo.advance() == ServoStatus::faulted; }));
+    CHECK(eventually([&] { return servo.advance() == ServoStatus::faulted; }));
     CHECK(servo.resting()->at_ns == 0);  // where the handle was before a trial is no place after it
     CHECK(untouched());
     servo.end();
@@ -246,7 +235,7 @@ TEST_CASE("the force is out when a caller's exception takes the servo with it, o
     const auto thrown_over_a_thread = [&] {
         ThreadServo servo(device, modest());
         servo.begin(felt);
-        if (comes_true([&] { return device.forces() > 3; })) {
+        if (eventually([&] { return device.forces() > 3; })) {
             throw std::runtime_error("the disk is full");
         }
     };
@@ -275,7 +264,7 @@ TEST_CASE("between trials a device that is gone is left alone, and the next tria
     ThreadServo servo(device, modest());
     const Scene felt = scene(5.0);
     REQUIRE(run_trial(servo, felt, 10).size() >= 10);
-    REQUIRE(comes_true([&] {
+    REQUIRE(eventually([&] {
         const auto last = servo.resting();
         return last && last->fault == DeviceFault::lost;
     }));

@@ -21,19 +21,6 @@ struct Port {
         machine, [this] { return std::make_unique<GuidedHand>(machine); }, {}, simulated_chip};
 };
 
-/// A process that presses, at last: a busy machine may have the board stop before anybody saw it.
-std::unique_ptr<Presser> pressing(const Port& port) {
-    for (int attempt = 0; attempt < 20; ++attempt) {
-        auto presser = std::make_unique<Presser>(port.board.path(), port.machine, Vec2{0.4, -0.5});
-        const bool over =
-            eventually([&] { return !port.board.motors().off() || presser->fault() != 0; });
-        if (over && presser->fault() == 0) {
-            return presser;
-        }
-    }
-    throw std::runtime_error("nothing ever pressed");
-}
-
 }  // namespace
 
 TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]") {
@@ -55,7 +42,7 @@ TEST_CASE("killed with the force on, with or without its guard, palpate leaves a
           "[open][guard][law]") {
     EACH(both, false, true);
     const Port port;
-    const auto presser = pressing(port);
+    const auto presser = pressing(port.board, port.machine);
     const pid_t guard = presser->guard();
     if (both) {
         kill(guard, SIGKILL);
