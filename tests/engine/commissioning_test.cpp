@@ -36,20 +36,17 @@ CommissioningResult commissioned(const PlantModel& plant, MiswiredMachine& devic
                       Vec3(plant.handle_mass), desk_of(device));
 }
 
-CommissioningResult commissioned(const PlantModel& plant,
-                                 const Connection& encoders,
-                                 const Connection& motors,
-                                 double* strongest = nullptr,
-                                 double* max_asked = nullptr) {
-    MiswiredMachine device(plant, encoders, motors);
-    const CommissioningResult done = commissioned(plant, device);
-    if (strongest != nullptr) {
-        *strongest = device.strongest();
-    }
-    if (max_asked != nullptr) {
-        *max_asked = device.max_asked();
-    }
-    return done;
+CommissioningResult commissioned(const PlantModel& plant, const Connection& motors = {}) {
+    MiswiredMachine device(plant, {}, motors);
+    return commissioned(plant, device);
+}
+
+/// As an opening proves it at home.
+ShortForm proved_again(const PlantModel& plant, MiswiredMachine& device, const RigRecord& record) {
+    device.bring(kHome);
+    const Calibration machine{.pantograph = plant.machine};
+    PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
+    return prove_again(runner, machine, record, kPeriod * device.traits().delay_ticks);
 }
 
 }  // namespace
@@ -60,18 +57,17 @@ TEST_CASE("every wrong connection of two encoders is found and named, and no mot
     for (const Connection& encoders : all_connections()) {
         CAPTURE(encoders.swapped, encoders.factor[0], encoders.factor[1]);
         // What the motors are does not matter then.
-        double strongest = 0.0;
-        const CommissioningResult done =
-            commissioned(plant, encoders, {.swapped = true, .factor = {-2.0, 0.5}}, &strongest);
+        MiswiredMachine device(plant, encoders, {.swapped = true, .factor = {-2.0, 0.5}});
+        const CommissioningResult done = commissioned(plant, device);
         if (encoders == Connection{}) {
             CHECK(done.encoders.fits);
             CHECK(done.encoders.connection == encoders);
-            CHECK(strongest > 0.0);
+            CHECK(device.strongest() > 0.0);
             continue;
         }
         CHECK(done.encoders.connection.swapped == encoders.swapped);
         CHECK_THAT(done.refused, Has("encoder"));
-        CHECK(strongest == 0.0);
+        CHECK(device.strongest() == 0.0);
     }
 }
 
@@ -82,8 +78,9 @@ TEST_CASE(
     const PlantModel plant = plant_of("gen3");
     for (const Connection& motors : all_connections()) {
         CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
-        double asked = 0.0;
-        const CommissioningResult done = commissioned(plant, {}, motors, nullptr, &asked);
+        MiswiredMachine device(plant, {}, motors);
+        const CommissioningResult done = commissioned(plant, device);
+        const double asked = device.max_asked();
         CAPTURE(done.refused);
         CHECK(asked <= 0.3 * (1.0 + 1e-12));
         if (motors == Connection{}) {
@@ -139,7 +136,7 @@ TEST_CASE(
     "[commissioning][law]") {
     SEED(4U);
     const PlantModel plant = some_plant(seed);
-    const CommissioningResult right = commissioned(plant, {}, {});
+    const CommissioningResult right = commissioned(plant);
     CAPTURE(right.refused);
     CHECK(right.refused.empty());
     const HandleDynamics& found = right.record.dynamics;
@@ -150,7 +147,7 @@ TEST_CASE(
     CHECK(right.record.damping ==
           Approx(0.8 * min_handle_damping(plant)).epsilon(0.1).margin(0.01));
     const double gain = seed < 2 ? 0.5 : 2.0;
-    const CommissioningResult wrong = commissioned(plant, {}, {.factor = {gain, gain}});
+    const CommissioningResult wrong = commissioned(plant, {.factor = {gain, gain}});
     CHECK_THAT(wrong.refused, Has(gain < 1.0 ? "motor 1 is too weak, motor 2 is"
                                              : "motor 1 is too strong, motor 2"));
 }
@@ -193,7 +190,7 @@ TEST_CASE(
     "[commissioning][law]") {
     SEED(3U);
     const PlantModel plant = some_plant(seed);
-    const RigRecord record = commissioned(plant, {}, {}).record;
+    const RigRecord record = commissioned(plant).record;
     const auto opened = [&](const Vec2& gain, double friction) {
         PlantModel now = plant;
         now.damping *= friction;
@@ -201,10 +198,7 @@ TEST_CASE(
         now.handle_damping *= friction;
         now.handle_friction *= friction;
         MiswiredMachine device(now, {}, {.factor = {gain.x, gain.y}});
-        device.bring(kHome);
-        const Calibration machine{.pantograph = now.machine};
-        PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
-        return prove_again(runner, machine, record, kPeriod * device.traits().delay_ticks).refused;
+        return proved_again(now, device, record).refused;
     };
     for (const double friction : {0.8, 1.0, 1.2}) {
         CHECK(opened({1.0, 1.0}, friction) == "");
@@ -222,13 +216,10 @@ TEST_CASE(
 TEST_CASE("the short form passes the rig that was commissioned, and no other",
           "[commissioning][law]") {
     const PlantModel plant = plant_of("gen3");
-    const RigRecord record = commissioned(plant, {}, {}).record;
+    const RigRecord record = commissioned(plant).record;
     const auto opened = [&](const PlantModel& now, const Connection& motors) {
         MiswiredMachine device(now, {}, motors);
-        device.bring(kHome);
-        const Calibration machine{.pantograph = now.machine};
-        PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
-        return prove_again(runner, machine, record, kPeriod * device.traits().delay_ticks);
+        return proved_again(now, device, record);
     };
     CHECK(opened(plant, {}).refused.empty());
     CHECK_THAT(opened(plant, {}).found, Has(" % at "));
@@ -245,16 +236,12 @@ TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no
           "[commissioning][safety][law]") {
     SEED(2U);
     const PlantModel plant = some_plant(seed);
-    const Calibration machine{.pantograph = plant.machine};
-    const RigRecord record = commissioned(plant, {}, {}).record;
+    const RigRecord record = commissioned(plant).record;
     for (const auto& [late, gain] : {std::pair(3U, 1.0), {3U, 2.0}, {7U, 1.0}, {30U, 2.0}}) {
         CAPTURE(late, gain);
         MiswiredMachine device(plant, {}, {.factor = {gain, gain}});
-        device.bring(kHome);
         device.lag(late);
-        PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
-        const double delay = kPeriod * device.traits().delay_ticks;
-        const std::string changed = prove_again(runner, machine, record, delay).refused;
+        const std::string changed = proved_again(plant, device, record).refused;
         const std::string refused = commissioned(plant, device).refused;
         CAPTURE(changed, refused);
         CHECK(changed.empty() == (late == 3 && gain == 1.0));

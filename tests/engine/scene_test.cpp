@@ -1,7 +1,6 @@
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
-#include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -23,30 +22,6 @@ std::vector<Vec2> scene_hand(std::uint64_t seed) {
 }
 
 }  // namespace
-
-TEST_CASE("without friction the force is K times the depth along the closest point's normal",
-          "[scene][law]") {
-    const double kappa = kCurvatures[GENERATE(0, 1, 2, 3, 4)];
-    CAPTURE(kappa);
-    const Scene scene = scene_of(kappa, {}, {});
-    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
-    ContactState state;
-    double worst = 0.0;
-    int touched = 0;
-    for (int k = 0; k < 4000; ++k) {  // strokes along A-V, 3 mm deep at most, both ways
-        const double s = 0.5 - 0.35 * std::cos(k * 1e-3 * 3.0);
-        const double depth = 0.003 * std::sin(k * 1e-3 * 1.7);
-        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
-        const Vec2 h = on.point - depth * on.normal;
-        const Contact contact = scene.tick(state, h);
-        const ArcOracle::Foot foot = side.closest(h);
-        const Vec2 exact = depth > 0.0 ? 1000.0 * foot.distance * foot.normal : Vec2{};
-        worst = std::max(worst, glm::length(contact.force - exact));
-        touched += contact.mode != Mode::free ? 1 : 0;
-    }
-    CHECK(touched > 1000);
-    CHECK(worst <= 1e-10);
-}
 
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
     SEED(std::uint64_t{8});

@@ -47,6 +47,14 @@ CommissioningResult commissioned(
                           kPulseTick));
 }
 
+/// As an opening proves it at home.
+ShortForm proved_again(MiswiredGantry& device, const RigRecord& record) {
+    const Calibration machine = gantry_machine();
+    device.bring(machine.gantry->home());
+    PulseRunner runner(device, palpate::engine::Machine(machine), kPulseTick, [] { return true; });
+    return prove_again(runner, machine, record, kPulseTick);
+}
+
 /// Order, signs and gains at random; `dead` may have one that says nothing.
 Cables drawn(Random& random, bool dead) {
     Cables cables;
@@ -266,10 +274,7 @@ TEST_CASE("the short form of three axes passes the rig that was commissioned, an
     const RigRecord record = commissioned(right, mass_of(right_axes())).record;
     const auto opened = [&](const Axes& axes, const Cables& encoders, const Cables& motors) {
         MiswiredGantry device(machine, axes, encoders, motors);
-        device.bring(machine.gantry->home());
-        PulseRunner runner(device, palpate::engine::Machine(machine), kPulseTick,
-                           [] { return true; });
-        return prove_again(runner, machine, record, kPulseTick);
+        return proved_again(device, record);
     };
     const ShortForm passed = opened(right_axes(), {}, {});
     CHECK(passed.refused.empty());
@@ -316,10 +321,7 @@ TEST_CASE("answers of three axes that are 5 ms late are found, and hide no stron
         for (const double gain : {1.0, 1.5, 3.0}) {
             MiswiredGantry device(machine, axes, {}, {.factor = {gain, gain, gain}});
             device.late = late;
-            device.bring(machine.gantry->home());
-            PulseRunner runner(device, palpate::engine::Machine(machine), kPulseTick,
-                               [] { return true; });
-            const std::string changed = prove_again(runner, machine, record, kPulseTick).refused;
+            const std::string changed = proved_again(device, record).refused;
             const std::string refused = commissioned(device, mass_of(axes)).refused;
             CAPTURE(late, gain, changed, refused);
             CHECK(changed.empty() == (late == 3 && gain == 1.0));
