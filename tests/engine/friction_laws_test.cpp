@@ -189,15 +189,14 @@ TEST_CASE("snags lie where they lie, and one in every length of their spacing ho
 
 TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give finite ones",
           "[friction][law]") {
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
-        CAPTURE(traits.word);
-        CHECK(law_named(traits.word) == &traits);
+    for (const LawTraits* const traits : all_laws()) {
+        CAPTURE(traits->word);
+        CHECK(law_named(traits->word) == traits);
         for (unsigned seed = 0; seed < 40; ++seed) {
             CAPTURE(seed);
             Random random(seed);
-            tests::LawCase c = tests::random_law_case(&traits, random);
-            if (traits.in_cone) {  // dampers leave it
+            tests::LawCase c = tests::random_law_case(traits, random);
+            if (traits->in_cone) {  // dampers leave it
                 c.spec.viscosity = 0.0;
                 c.spec.bristle_damping = 0.0;
             }
@@ -213,7 +212,7 @@ TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give
                 const FrictionForce felt = law.step(state, rub);
                 REQUIRE(std::isfinite(felt.force));
                 REQUIRE(std::isfinite(felt.mu));
-                if (traits.in_cone) {
+                if (traits->in_cone) {
                     REQUIRE(std::fabs(felt.force) <=
                             c.friction.mu_s * rub.load * (1.0 + 1e-12) + 1e-300);
                 }

@@ -90,24 +90,23 @@ TEST_CASE("numbers of a gantry that cannot be are refused with what to give",
     Random random(1);
     const Calibration good = any_gantry(random);
     REQUIRE_NOTHROW(check(good));
-    Calibration bad = good;
-    bad.gantry->axes[2].radius = 0.0;
-    CHECK_THROWS_WITH(check(bad), Has("radius (m) of the drum of axis z is 0"));
-    bad = good;
-    bad.gantry->axes[1].home = 0.2;
-    CHECK_THROWS_WITH(check(bad), Has("home (mm) of axis y is 200"));
-    bad = good;
-    bad.gantry->axes[0].high = bad.gantry->axes[0].low;
-    CHECK_THROWS_WITH(check(bad), Has("way (mm) from the low to the high end of axis x"));
-    bad = good;
-    bad.board->channel = {1, 2, 2};
-    CHECK_THROWS_WITH(check(bad), Has("channel of the open board is 2 for two axes"));
-    bad = good;
-    bad.board->channel = {1, 2, 4};
-    CHECK_THROWS_WITH(check(bad), Has("channel of the open board is 4: give 1 to 3"));
-    bad = good;
-    bad.haply.emplace();
-    CHECK_THROWS_WITH(check(bad), Has("only an open board drives so many"));
+    const auto refused = [&](const char* words, const auto& change) {
+        Calibration bad = good;
+        change(bad);
+        CHECK_THROWS_WITH(check(bad), Has(words));
+    };
+    refused("radius (m) of the drum of axis z is 0",
+            [](auto& bad) { bad.gantry->axes[2].radius = 0.0; });
+    refused("home (mm) of axis y is 200", [](auto& bad) { bad.gantry->axes[1].home = 0.2; });
+    refused("way (mm) from the low to the high end of axis x",
+            [](auto& bad) { bad.gantry->axes[0].high = bad.gantry->axes[0].low; });
+    refused("channel of the open board is 2 for two axes", [](auto& bad) {
+        bad.board->channel = {1, 2, 2};
+    });
+    refused("channel of the open board is 4: give 1 to 3", [](auto& bad) {
+        bad.board->channel = {1, 2, 4};
+    });
+    refused("only an open board drives so many", [](auto& bad) { bad.haply.emplace(); });
 }
 
 TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis",

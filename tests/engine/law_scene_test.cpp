@@ -35,12 +35,11 @@ std::vector<Vec2> rough_hand(std::uint64_t seed) {
 TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K times the depth",
           "[friction][scene][law]") {
     const auto outline = ground();
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
-        CAPTURE(traits.word);
-        const LawSpec spec{.traits = &traits, .viscosity = 0.3, .bristle_damping = 0.1, .seed = 4};
-        const Scene scene(outline, {.friction = friction_of(traits), .law = spec});
-        const FrictionLaw law(spec, friction_of(traits), 1000.0, 1e-3);
+    for (const LawTraits* const traits : all_laws()) {
+        CAPTURE(traits->word);
+        const LawSpec spec{.traits = traits, .viscosity = 0.3, .bristle_damping = 0.1, .seed = 4};
+        const Scene scene(outline, {.friction = friction_of(*traits), .law = spec});
+        const FrictionLaw law(spec, friction_of(*traits), 1000.0, 1e-3);
         const std::vector<Vec2> path = random_hand(11, 3000, {-0.03, -0.006}, {0.03, 0.001});
         ContactState state;
         LawState alone;
@@ -77,12 +76,11 @@ TEST_CASE("a press straight down on a level ground has no friction, whatever the
     // of random teeth pulls.
     Random random(7);
     const auto outline = ground();
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
-        CAPTURE(traits.word);
+    for (const LawTraits* const traits : all_laws()) {
+        CAPTURE(traits->word);
         const Scene scene(outline,
-                          {.friction = friction_of(traits),
-                           .law = {.traits = &traits, .viscosity = 0.3, .bristle_damping = 0.1}});
+                          {.friction = friction_of(*traits),
+                           .law = {.traits = traits, .viscosity = 0.3, .bristle_damping = 0.1}});
         for (int press = 0; press < 20; ++press) {
             const double x = random.in(-0.9, 0.9);
             const double speed = random.in(1e-3, 0.3);
@@ -98,17 +96,16 @@ TEST_CASE("a press straight down on a level ground has no friction, whatever the
 
 TEST_CASE("on any object a law adds friction along the tangent to the frictionless force",
           "[friction][scene][law]") {
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
+    for (const LawTraits* const traits : all_laws()) {
         for (std::uint64_t seed = 0; seed < 6; ++seed) {
-            CAPTURE(traits.word, seed);
+            CAPTURE(traits->word, seed);
             Random random(seed);
             const auto outline = stimuli::make_outline({.curvature = random.in(-12.0, 12.0)});
             const Slew slew = seed % 2 == 0 ? kRoughSlew : Slew{};
             const Scene bare(outline, {.slew = slew});
-            const Scene rough(outline, {.friction = friction_of(traits),
+            const Scene rough(outline, {.friction = friction_of(*traits),
                                         .slew = slew,
-                                        .law = {.traits = &traits, .seed = seed}});
+                                        .law = {.traits = traits, .seed = seed}});
             ContactState a;
             ContactState b;
             for (const Vec2& h : rough_hand(seed)) {
@@ -123,9 +120,9 @@ TEST_CASE("on any object a law adds friction along the tangent to the frictionle
                     Approx(std::fabs(c.tangential_force - smooth.tangential_force)).margin(1e-12));
                 REQUIRE(std::fabs(glm::dot(added, smooth.force)) <=
                         1e-9 * glm::length(added) * glm::length(smooth.force) + 1e-12);
-                if (traits.in_cone) {
+                if (traits->in_cone) {
                     REQUIRE(std::fabs(c.tangential_force) <=
-                            friction_of(traits).mu_s * c.normal_force + 1e-11);
+                            friction_of(*traits).mu_s * c.normal_force + 1e-11);
                 }
             }
         }
@@ -135,12 +132,11 @@ TEST_CASE("on any object a law adds friction along the tangent to the frictionle
 TEST_CASE("no episode with a passive law gives more energy than sampling leaks, whatever hand",
           "[friction][scene][law]") {
     std::int64_t episodes = 0;
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
-        if (!traits.passive) {
+    for (const LawTraits* const traits : all_laws()) {
+        if (!traits->passive) {
             continue;
         }
-        CAPTURE(traits.word);
+        CAPTURE(traits->word);
         for (unsigned seed = 0; seed < 70; ++seed) {
             CAPTURE(seed);
             Random random(seed);
@@ -150,9 +146,9 @@ TEST_CASE("no episode with a passive law gives more energy than sampling leaks, 
             const double mu_d = random.in(0.0, 1.0);
             const Scene scene(
                 outline,
-                {.friction = {.mu_s = traits.sticks ? mu_d * random.in(1.0, 2.0) : mu_d,
+                {.friction = {.mu_s = traits->sticks ? mu_d * random.in(1.0, 2.0) : mu_d,
                               .mu_d = mu_d},
-                 .law = {.traits = &traits, .stiffness = curvature < 0.0 ? 500.0 : 1000.0}});
+                 .law = {.traits = traits, .stiffness = curvature < 0.0 ? 500.0 : 1000.0}});
             ContactState state;
             EnergyLedger<2> ledger(1000.0);
             Vec2 hip = random.point(-0.03, 0.03);
@@ -192,13 +188,12 @@ TEST_CASE("a law that is not passive says so, and the ledger finds what it gave"
 TEST_CASE("a law's ticks allocate nothing, give the same bits again, and bear any HIP",
           "[friction][scene][law]") {
     const auto outline = stimuli::make_outline({.curvature = -5.0});
-    for (const LawTraits* const each : all_laws()) {
-        const LawTraits& traits = *each;
-        CAPTURE(traits.word);
+    for (const LawTraits* const traits : all_laws()) {
+        CAPTURE(traits->word);
         const Scene scene(outline, {.damping = 0.1,
-                                    .friction = friction_of(traits),
+                                    .friction = friction_of(*traits),
                                     .slew = kRoughSlew,
-                                    .law = {.traits = &traits}});
+                                    .law = {.traits = traits}});
         std::vector<Vec2> path = rough_hand(3);
         Random random(5);
         for (int i = 0; i < 50; ++i) {

@@ -134,32 +134,20 @@ TEST_CASE("an object a kilometre away keeps the digits of its coordinates", "[ge
 
 TEST_CASE("what is no surface is refused with the place, the value and the remedy",
           "[geometry][surface]") {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    const auto refuse = [](const SurfaceData& d) {
-        return make_surface(d);
+    const auto refused = [](const char* words, const auto& change) {
+        SurfaceData d = plane(1.0);
+        change(d);
+        CHECK_THROWS_WITH(make_surface(d), Has(words));
     };
-    SurfaceData d = plane(1.0);
-    d.knots_u = {0, 0, 1};
-    CHECK_THROWS_WITH(refuse(d), Has("knots_u has 3 values"));
-    d = plane(1.0);
-    d.knots_v = {0, 0, 2, 1};
-    CHECK_THROWS_WITH(refuse(d), Has("knots_v[3] = 1 is below"));
-    d = plane(1.0);
-    d.points[1].pop_back();
-    CHECK_THROWS_WITH(refuse(d), Has("points[1] has 1 points, points[0] 2", "same length"));
-    d = plane(1.0);
-    d.weights = {{1, 1}};
-    CHECK_THROWS_WITH(refuse(d), Has("1 rows of weights for 2"));
-    d.weights = {{1, 1}, {1}};
-    CHECK_THROWS_WITH(refuse(d), Has("weights[1] has 1 values for 2"));
-    d.weights = {{1, 1}, {1, -3}};
-    CHECK_THROWS_WITH(refuse(d), Has("weight 3 is -3"));
-    d = plane(1.0);
-    d.points[0][1].y = nan;
-    CHECK_THROWS_WITH(refuse(d), Has("control point 1 has the coordinate"));
-    d = plane(1.0);
-    d.degree_u = 10;
-    CHECK_THROWS_WITH(refuse(d), Has("degree is 10"));
+    refused("knots_u has 3 values", [](auto& d) { d.knots_u = {0, 0, 1}; });
+    refused("knots_v[3] = 1 is below", [](auto& d) { d.knots_v = {0, 0, 2, 1}; });
+    refused("points[1] has 1 points, points[0] 2", [](auto& d) { d.points[1].pop_back(); });
+    refused("same length", [](auto& d) { d.points[1].pop_back(); });
+    refused("1 rows of weights for 2", [](auto& d) { d.weights = {{1, 1}}; });
+    refused("weights[1] has 1 values for 2", [](auto& d) { d.weights = {{1, 1}, {1}}; });
+    refused("weight 3 is -3", [](auto& d) { d.weights = {{1, 1}, {1, -3}}; });
+    refused("control point 1 has the coordinate", [](auto& d) { d.points[0][1].y = NAN; });
+    refused("degree is 10", [](auto& d) { d.degree_u = 10; });
     CHECK_THROWS_WITH(BezierPatch(1, 1, {}, true), Has("needs 4 control points"));
 }
 

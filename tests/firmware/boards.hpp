@@ -42,9 +42,7 @@ struct On2560 {
         return Board(plant, machine, *machine.board, kAtmega2560, PALPATE_FIRMWARE_2560);
     }
 };
-#endif
 
-#if defined(PALPATE_FIRMWARE_328P)
 /// The firmware of three axes on an ATmega2560.
 struct On2560Of3 {
     using Board = SimBoard;
@@ -117,6 +115,19 @@ struct Talk {
                 .axes = machine.axes()});
         arm();
     }
+    /// A torque each millisecond for `ms`. @return how long answers took, ms, the slowest last
+    std::vector<double> talk_at_1_khz(int ms) {
+        std::vector<double> took;
+        for (int i = 0; i < ms; ++i) {
+            const double begin = board.time();
+            if (torque(60000, -60000, 60000)) {
+                took.push_back(1e3 * (board.time() - begin));
+            }
+            pass_ms(std::max(0.05, 1.0 - 1e3 * (board.time() - begin)));
+        }
+        std::sort(took.begin(), took.end());
+        return took;
+    }
     /// ms until the enable line is low, at a step of 50 us; at most `max`.
     double until_off(double max) {
         const double begin = board.time();
@@ -142,5 +153,23 @@ private:
 
     engine::OpenReader reader_;
 };
+
+#if defined(PALPATE_FIRMWARE_328P)
+/// What a chip comes to that is ready and whose encoders turn at `speed` counts/s each.
+template <class ReadyTalk>
+std::string numbers_at(double speed, ReadyTalk& talk) {
+    for (std::size_t i = 0; i < talk.machine.axes(); ++i) {
+        talk.board.spin(i, speed);
+    }
+    const std::uint64_t cycles = talk.board.cycles();
+    const std::uint64_t slept = talk.board.slept();
+    const auto took = talk.talk_at_1_khz(300);
+    const double load = 1.0 - static_cast<double>(talk.board.slept() - slept) /
+                                  static_cast<double>(talk.board.cycles() - cycles);
+    return fmt::format(
+        "{} counts/s each: load {} %, answers after {} to {} ms, {} of 300, flags {}", speed,
+        100.0 * load, took[took.size() / 2], took.back(), took.size(), talk.peek().flags);
+}
+#endif
 
 }  // namespace palpate::tests

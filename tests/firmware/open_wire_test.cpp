@@ -1,6 +1,7 @@
 #include "engine/device/open/open_wire.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::engine;
 
@@ -12,14 +13,6 @@ std::string hex(std::span<const std::uint8_t> bytes) {
         text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
     }
     return text;
-}
-
-std::vector<std::uint8_t> bytes_of(const std::string& text) {
-    std::vector<std::uint8_t> bytes;
-    for (std::size_t at = 0; at < text.size(); at += 3) {
-        bytes.push_back(static_cast<std::uint8_t>(std::stoi(text.substr(at, 2), nullptr, 16)));
-    }
-    return bytes;
 }
 
 /// The body that ends with the last byte of these.
@@ -52,7 +45,7 @@ TEST_CASE("frames of the open board are those of its protocol's table", "[open]"
     CHECK(frame(open_token(OpenType::clear, 4, 0x1234)) == "00 03 05 04 05 34 12 9E 79 00");
     CHECK(frame(open_bare(OpenType::peek, 7)) == "00 03 11 07 03 8D 54 00");
     const auto state = read_open(body_in(
-        bytes_of("00 03 90 05 02 03 05 01 87 D6 12 07 FF FF FF FF 80 0A 01 01 03 9C 9E 00")));
+        bytes_of_hex("00 03 90 05 02 03 05 01 87 D6 12 07 FF FF FF FF 80 0A 01 01 03 9C 9E 00")));
     REQUIRE(state);
     CHECK(state->type == OpenType::state);
     CHECK(state->seq == 5);
@@ -82,16 +75,16 @@ TEST_CASE("frames of three axes are longer by a number for each array, and nothi
           "00 03 10 05 03 50 C3 01 08 2C CF FF FF F9 24 01 03 E8 DA 00");
     CHECK(frame(open_torque(6, {0, 0, 0}, 3)) ==
           "00 03 10 06 01 01 01 01 01 01 01 01 01 01 01 01 03 04 90 00");
-    const auto state = read_open(body_in(bytes_of(
+    const auto state = read_open(body_in(bytes_of_hex(
         "00 03 90 05 02 03 05 05 87 D6 12 07 FF FF FF FF 80 0A 01 05 90 EE FE FF 03 DA A0 00")));
     REQUIRE(state);
     CHECK(state->report.axes == 3);
     CHECK(state->report.flags == (1U << 8U | kOpenClamped3));
     CHECK(state->report.time_us == 1234567);
     CHECK(state->report.counts == OpenAxes{-1, 2688, -70000});
-    const auto ident = read_open(
-        body_in(bytes_of("00 03 81 01 02 01 02 01 01 01 01 01 03 60 09 01 03 60 09 01 03 60 09 01 "
-                         "04 C0 D4 01 04 C0 D4 01 04 90 5F 01 08 05 32 01 04 01 60 7D 00")));
+    const auto ident = read_open(body_in(
+        bytes_of_hex("00 03 81 01 02 01 02 01 01 01 01 01 03 60 09 01 03 60 09 01 03 60 09 01 "
+                     "04 C0 D4 01 04 C0 D4 01 04 90 5F 01 08 05 32 01 04 01 60 7D 00")));
     REQUIRE(ident);
     CHECK(ident->ident.axes == 3);
     CHECK(ident->ident.counts_per_turn == OpenAxes{2400, 2400, 2400});
@@ -124,7 +117,8 @@ TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[ope
 }
 
 TEST_CASE("an answer with a bit flipped, cut or longer is none", "[open][law]") {
-    const auto good = bytes_of("90 05 00 03 00 01 87 D6 12 00 FF FF FF FF 80 0A 00 00 00 9C 9E");
+    const auto good =
+        bytes_of_hex("90 05 00 03 00 01 87 D6 12 00 FF FF FF FF 80 0A 00 00 00 9C 9E");
     REQUIRE(read_open(good));
     for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
         auto bad = good;

@@ -98,30 +98,31 @@ void SimBoard::attach() {
         avr_extint_set_strict_lvl_trig(avr_, static_cast<std::uint8_t>(i), 0);
     }
     for (std::size_t channel = 0; channel < machine_.axes(); ++channel) {
-        const std::uint8_t lines = lines_at(at_[channel]);
-        for (int line = 0; line < 2; ++line) {
-            set_pin(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel) + line,
-                    (lines >> line & 1) != 0);
-        }
+        set_pins(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel), 2,
+                 lines_at(at_[channel]));
     }
     pressed_ = stop_pressed_;
-    set_pin(chip_.stop_port, chip_.stop_pin, pressed_);
+    set_pins(chip_.stop_port, chip_.stop_pin, 1, pressed_ ? 1 : 0);
     next_chunk_ = avr_->cycle + kByte;
     avr_cycle_timer_register(avr_, kByte, on_chunk, this);
 }
 
-/// Held against the pull-up, which simavr would let win at each write of a port.
-void SimBoard::set_pin(char port, int pin, bool high) {
+/// Bits of `lines` on so many pins at once, held against the pull-up, which simavr would let win at
+/// each write of a port.
+void SimBoard::set_pins(char port, int first, int count, unsigned lines) {
     auto& [mask, value] = held_[port];
-    const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(pin));
-    mask = static_cast<std::uint8_t>(mask | bit);
-    value = static_cast<std::uint8_t>(high ? value | bit : value & ~bit);
+    const unsigned pins = ((1U << static_cast<unsigned>(count)) - 1U) << first;
+    mask = static_cast<std::uint8_t>(mask | pins);
+    value = static_cast<std::uint8_t>((value & ~pins) | lines << first);
     avr_ioport_external_t external{};
     external.name = static_cast<unsigned char>(port);
     external.mask = mask;
     external.value = value;
     avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL(port), &external);
-    avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ(port), pin), high ? 1 : 0);
+    for (int i = 0; i < count; ++i) {
+        avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ(port), first + i),
+                      lines >> i & 1);
+    }
 }
 
 std::array<std::int64_t, 3> SimBoard::wanted() const {
@@ -151,10 +152,10 @@ void SimBoard::turn_encoders() {
         }
         const std::uint8_t before = lines_at(at_[channel]);
         at_[channel] += goal[channel] > at_[channel] ? 1 : -1;
-        const int changed = before ^ lines_at(at_[channel]);
-        const int line = changed >> 1;
-        set_pin(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel) + line,
-                (lines_at(at_[channel]) >> line & 1) != 0);
+        const unsigned now = lines_at(at_[channel]);
+        const int line = (before ^ now) >> 1U;
+        set_pins(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel) + line, 1,
+                 now >> line & 1U);
     }
 }
 
@@ -162,24 +163,8 @@ void SimBoard::jump(std::size_t channel) {
     at_[channel] += 2;
     spin_[channel] = 1e-9;
     spun_[channel] = static_cast<double>(at_[channel]) + 0.5;
-    const std::uint8_t lines = lines_at(at_[channel]);
-    const auto shift = 2 * static_cast<unsigned>(channel);
-    auto& [mask, value] = held_[chip_.encoder_port];
-    const unsigned both = 3U << (static_cast<unsigned>(chip_.encoder_pin) + shift);
-    const unsigned now =
-        (value & ~both) | static_cast<unsigned>(lines)
-                              << (static_cast<unsigned>(chip_.encoder_pin) + shift);
-    value = static_cast<std::uint8_t>(now);
-    avr_ioport_external_t external{};
-    external.name = static_cast<unsigned char>(chip_.encoder_port);
-    external.mask = mask;
-    external.value = value;
-    avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL(chip_.encoder_port), &external);
-    for (int line = 0; line < 2; ++line) {
-        const int pin = chip_.encoder_pin + static_cast<int>(shift) + line;
-        avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ(chip_.encoder_port), pin),
-                      (lines >> line & 1) != 0 ? 1 : 0);
-    }
+    set_pins(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel), 2,
+             lines_at(at_[channel]));
 }
 
 void SimBoard::sent(std::uint8_t byte) {
@@ -198,7 +183,7 @@ void SimBoard::chunk() {
     }
     if (pressed_ != stop_pressed_) {
         pressed_ = stop_pressed_;
-        set_pin(chip_.stop_port, chip_.stop_pin, pressed_);
+        set_pins(chip_.stop_port, chip_.stop_pin, 1, pressed_ ? 1 : 0);
     }
     turn_encoders();
 }

@@ -103,7 +103,7 @@ public:
 
 private:
     void attach();
-    void set_pin(char port, int pin, bool high);
+    void set_pins(char port, int first, int count, unsigned lines);
     void turn_encoders();
     [[nodiscard]] std::array<std::int64_t, 3> wanted() const;
     [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
@@ -131,7 +131,6 @@ private:
     bool stop_pressed_ = false;
     bool pressed_ = false;  ///< as its pin has it
     int resets_ = 0;
-    bool attached_ = false;
 };
 
 }  // namespace palpate::tests

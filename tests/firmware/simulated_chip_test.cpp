@@ -12,21 +12,6 @@ namespace {
 
 constexpr double kStill = 1e-9;  // counts/s: it stays where it is
 
-/// One torque a millisecond for `ms`. @return times until the answers, ms
-template <class On>
-std::vector<double> talk_at_1_khz(Talk<On>& talk, int ms) {
-    std::vector<double> took;
-    for (int i = 0; i < ms; ++i) {
-        const double begin = talk.board.time();
-        if (talk.torque(60000, -60000)) {
-            took.push_back(1e3 * (talk.board.time() - begin));
-        }
-        talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
-    }
-    std::sort(took.begin(), took.end());
-    return took;
-}
-
 }  // namespace
 
 CHIP_CASE("a program that hangs has its motors off within 17 ms, whatever hangs") {
@@ -84,7 +69,7 @@ CHIP_CASE("at the fastest that encoders may turn no count, byte or answer is los
     const std::array<std::int64_t, 2> before{talk.board.edges(0), talk.board.edges(1)};
     talk.board.spin(0, 40000.0);
     talk.board.spin(1, -40000.0);
-    const std::vector<double> took = talk_at_1_khz(talk, 200);
+    const std::vector<double> took = talk.talk_at_1_khz(200);
     talk.board.spin(0, kStill);
     talk.board.spin(1, kStill);
     talk.pass_ms(1);
@@ -143,15 +128,6 @@ TEMPLATE_TEST_CASE("numbers of the chip", "[.][numbers]", On328p, On2560) {
     for (const double speed : {0.0, 25000.0, 40000.0, 50000.0}) {
         Talk<TestType> talk;
         talk.make_ready(50);
-        talk.board.spin(0, speed);
-        talk.board.spin(1, speed);
-        const std::uint64_t cycles = talk.board.cycles();
-        const std::uint64_t slept = talk.board.slept();
-        const auto took = talk_at_1_khz(talk, 300);
-        const double load = 1.0 - static_cast<double>(talk.board.slept() - slept) /
-                                      static_cast<double>(talk.board.cycles() - cycles);
-        WARN(speed << " counts/s each: load " << 100.0 * load << " %, answers after "
-                   << took[took.size() / 2] << " to " << took.back() << " ms, " << took.size()
-                   << " of 300");
+        WARN(numbers_at(speed, talk));
     }
 }

@@ -201,21 +201,14 @@ TEMPLATE_TEST_CASE("three encoders are counted, to and fro, and one that is too 
             before[i] = talk.board.edges(i);
             talk.board.spin(i, way * kSpeeds[i]);
         }
-        std::size_t answers = 0;
-        double slowest = 0.0;
-        for (int ms = 0; ms < 100; ++ms) {
-            const double begin = talk.board.time();
-            answers += talk.torque(60000, -60000, 60000) ? 1U : 0U;
-            slowest = std::max(slowest, talk.board.time() - begin);
-            talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
-        }
+        const std::vector<double> took = talk.talk_at_1_khz(100);
         for (std::size_t i = 0; i < 3; ++i) {
             talk.board.spin(i, kStill);
         }
         talk.pass_ms(1);
         const OpenReport last = talk.peek();
-        CHECK(answers == 100);
-        CHECK(slowest < 1e-3);
+        REQUIRE(took.size() == 100);
+        CHECK(took.back() < 1.0);
         for (std::size_t i = 0; i < 3; ++i) {
             CHECK(last.counts[i] - first.counts[i] == talk.board.edges(i) - before[i]);
             CHECK(std::abs(talk.board.edges(i) - before[i]) > 1800);
@@ -235,25 +228,7 @@ TEST_CASE("numbers of the chip of three axes", "[.][numbers]") {
     for (const double speed : {0.0, 15000.0, 25000.0, 30000.0, 40000.0}) {
         Talk3<On2560Of3> talk;
         talk.make_ready(50, 120000);
-        for (std::size_t i = 0; i < 3; ++i) {
-            talk.board.spin(i, speed);
-        }
-        const std::uint64_t cycles = talk.board.cycles();
-        const std::uint64_t slept = talk.board.slept();
-        std::vector<double> took;
-        for (int i = 0; i < 300; ++i) {
-            const double begin = talk.board.time();
-            if (talk.torque(60000, -60000, 60000)) {
-                took.push_back(1e3 * (talk.board.time() - begin));
-            }
-            talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
-        }
-        std::sort(took.begin(), took.end());
-        const double load = 1.0 - static_cast<double>(talk.board.slept() - slept) /
-                                      static_cast<double>(talk.board.cycles() - cycles);
-        WARN(speed << " counts/s each: load " << 100.0 * load << " %, answers after "
-                   << took[took.size() / 2] << " to " << took.back() << " ms, " << took.size()
-                   << " of 300, flags " << talk.peek().flags);
+        WARN(numbers_at(speed, talk));
     }
 }
 #endif

@@ -46,6 +46,15 @@ inline std::vector<std::string> split(const std::string& line, char separator = 
     return fields;
 }
 
+/// Of "01 FF".
+inline std::vector<std::uint8_t> bytes_of_hex(const std::string& text) {
+    std::vector<std::uint8_t> bytes;
+    for (const std::string& byte : split(text, ' ')) {
+        bytes.push_back(static_cast<std::uint8_t>(std::stoi(byte, nullptr, 16)));
+    }
+    return bytes;
+}
+
 /// Rows of a CSV without quotes, its head first.
 inline std::vector<std::vector<std::string>> csv_rows(const std::string& csv,
                                                       char separator = ',') {
