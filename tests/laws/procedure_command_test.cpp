@@ -1,6 +1,5 @@
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -16,9 +15,10 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
     const TemporaryFolder folder;
     write(folder.file("c.toml"), kWatson);
     // The published stimuli are given, since two of them tie with others.
+    const PublishedRun published = published_run("lapse");
     std::string responses = "stimulus,response\n";
-    for (std::size_t i = 0; i < kLapseStimuli.size(); ++i) {
-        responses += fmt::format("{},{}\n", kLapseStimuli[i], kLapseAnswers[i]);
+    for (std::size_t i = 0; i < published.stimuli.size(); ++i) {
+        responses += fmt::format("{},{}\n", published.stimuli[i][0], published.answers[i]);
     }
     write(folder.file("r.csv"), responses);
     const Finished run = palpate_command(
@@ -35,8 +35,8 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
     int other = 0;
     for (std::size_t i = 1; i < 128; ++i) {
         CHECK(table[i][0] == std::to_string(i));
-        CHECK(table[i][1] == std::to_string(kLapseStimuli[i - 1]));
-        other += table[i][10] == std::to_string(kLapseStimuli[i]) ? 0 : 1;
+        CHECK(table[i][1] == fmt::format("{}", published.stimuli[i - 1][0]));
+        other += table[i][10] == fmt::format("{}", published.stimuli[i][0]) ? 0 : 1;
     }
     CHECK(other == 2);
     CHECK(table[128][4] == "-20");
@@ -54,8 +54,9 @@ TEST_CASE(
     const std::size_t lapse = config.find("lapse = [");
     config.replace(lapse, config.size() - lapse, "lapse = 0.02\n");
     write(folder.file("c.toml"), config);
+    const PublishedRun published = published_run("threshold");
     std::string responses = "response\n";
-    for (const char answer : kThresholdAnswers) {
+    for (const char answer : published.answers) {
         responses += std::string(1, answer) + "\n";
     }
     write(folder.file("r.csv"), responses);
@@ -63,9 +64,9 @@ TEST_CASE(
     const auto table = csv_rows(run.out);
     CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
           "trial,stimulus,response,estimate_mean,estimate_mode,entropy_bits,next_stimulus");
-    for (std::size_t i = 0; i < kThresholdStimuli.size(); ++i) {
+    for (std::size_t i = 0; i < published.stimuli.size(); ++i) {
         CAPTURE(i);
-        CHECK(table.at(i + 1)[1] == std::to_string(kThresholdStimuli[i]));
+        CHECK(table.at(i + 1)[1] == fmt::format("{}", published.stimuli[i][0]));
     }
     CHECK(table[32][4] == "-20");
     // What it said is next is what it then took.

@@ -10,20 +10,18 @@ using engine::Vec2;
 
 namespace {
 
-std::string text_of(const std::string& file) {
-    return slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
-}
+const std::string kFreeForms = slurp(PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml");
 
 /// The default study with other [[object]] tables.
 std::string with_objects(const std::string& objects) {
-    const std::string text = text_of("protocols/library/shape_friction.toml");
+    const std::string text = short_text("shape_friction");
     const std::size_t from = text.find("[[object]]");
     const std::size_t to = text.find("[[friction]]");
     return text.substr(0, from) + objects + text.substr(to);
 }
 
 Protocol free_forms() {
-    return parse_protocol(text_of("tests/golden/free_forms.toml"), "f.toml");
+    return parse_protocol(kFreeForms, "f.toml");
 }
 
 double distance_to(const std::vector<Vec2>& polyline, const Vec2& p) {
@@ -63,8 +61,7 @@ TEST_CASE("a set stands for its objects: the study's hash is that of the objects
     const std::string sets =
         with_objects("[[object]]\nset = \"five_shapes\"\n\n[[object]]\nset = \"catch_pair\"\n\n");
     const Protocol study = parse_protocol(sets, "p.toml");
-    const Protocol written =
-        parse_protocol(text_of("protocols/library/shape_friction.toml"), "p.toml");
+    const Protocol written = parse_protocol(short_text("shape_friction"), "p.toml");
     CHECK(study == written);
     CHECK(protocol_hash(study) == protocol_hash(written));
 }
@@ -225,10 +222,9 @@ TEST_CASE("a polygon that meets itself is found, and no other", "[free_forms][la
 }
 
 TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
-    const std::string study = text_of("tests/golden/free_forms.toml");
     for (const auto& row : test_rows("free_form_problems.tsv")) {
         CAPTURE(row);
-        const std::string said = refusal(replaced(study, row.at(0), row.at(1)));
+        const std::string said = refusal(replaced(kFreeForms, row.at(0), row.at(1)));
         CHECK_THAT(said, Has(row.at(2)));
         CHECK(said.starts_with("p.toml:"));
     }
@@ -238,7 +234,7 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
 }
 
 TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
-    const std::string text = text_of("tests/golden/free_forms.toml");
+    const std::string& text = kFreeForms;
     const std::size_t from = text.find("[[object]]");
     const std::size_t to = text.find("[[object]]", from + 1);
     std::string copy = replaced(text.substr(from, to - from), "dome", "dome_2");

@@ -10,30 +10,26 @@ using namespace palpate::protocols;
 
 namespace {
 
-std::string study_text() {
-    return std::string(shipped_protocol("shape_friction").text);
-}
+const std::string kStudy = short_text("shape_friction");
 
 }  // namespace
 
 TEST_CASE("what a study has without saying so changes no hash, and what it says does",
           "[protocol][law]") {
-    const Protocol plain = parse_protocol(study_text(), "p");
+    const Protocol plain = parse_protocol(kStudy, "p");
     CHECK(to_toml(plain).find("instructions") == std::string::npos);
     const std::string hash = protocol_hash(plain);
-    CHECK(protocol_hash(parse_protocol(study_text() + "[masking]\nnoise = \"none\"\n", "p")) ==
-          hash);
-    CHECK(protocol_hash(parse_protocol(study_text() + "[instructions.tr]\n", "p")) == hash);
-    CHECK(protocol_hash(parse_protocol(study_text() + "[masking]\nnoise = \"pink\"\n", "p")) !=
-          hash);
-    CHECK(protocol_hash(parse_protocol(study_text() + "[instructions.tr]\nwelcome = \"Merhaba\"\n",
-                                       "p")) != hash);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"none\"\n", "p")) == hash);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[instructions.tr]\n", "p")) == hash);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\n", "p")) != hash);
+    CHECK(protocol_hash(
+              parse_protocol(kStudy + "[instructions.tr]\nwelcome = \"Merhaba\"\n", "p")) != hash);
 }
 
 TEST_CASE("instructions are read by language, with their line breaks, and written so",
           "[protocol]") {
     const Protocol protocol = parse_protocol(
-        study_text() +
+        kStudy +
             "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
             "explore = \"x\"\n"
             "choose = \"c\"\nbreak = \"b\"\nend = \"e\"\n"
@@ -50,14 +46,14 @@ TEST_CASE("instructions are read by language, with their line breaks, and writte
 
 TEST_CASE("masking noise is read with its level", "[protocol]") {
     const Protocol protocol =
-        parse_protocol(study_text() + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
+        parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
     CHECK(protocol.masking == MaskingSpec{.noise = Noise::pink, .level_db = -24.5});
     CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
 }
 
 TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more", "[protocol]") {
     const auto said = [](const std::string& end) {
-        return refusal(study_text() + "[instructions.en]\nend = \"" + end + "\"\n");
+        return refusal(kStudy + "[instructions.en]\nend = \"" + end + "\"\n");
     };
     const std::string longest(kMaxInstruction, 'x');
     CHECK(said(longest) == "accepted");
@@ -68,7 +64,7 @@ TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more", 
 namespace {
 
 Protocol shipped(std::string_view name) {
-    return parse_protocol(tests::short_text(name, {}), name);
+    return parse_protocol(short_text(name), name);
 }
 
 /// Within `reach` of the start, in each direction.

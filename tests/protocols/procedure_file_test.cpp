@@ -6,31 +6,19 @@ using namespace palpate::protocols;
 
 namespace {
 
-const std::string kQuestPlus = test_text("procedures/quest_plus.toml");
+std::string file_of(const std::string& name) {
+    return test_text("procedures/" + name + ".toml");
+}
 
-const std::string kStaircases = test_text("procedures/staircases.toml");
-
-const std::string kQuest = test_text("procedures/quest.toml");
-
-const std::string kPsi = test_text("procedures/psi.toml");
-
-const std::string kIdentification = test_text("procedures/identification.toml");
-
-const std::string kCovariate = test_text("procedures/covariate.toml");
-
-const std::string kConstant = test_text("procedures/constant.toml");
-
-const std::vector<std::string> kAll{kQuestPlus,      kStaircases, kQuest,   kPsi,
-                                    kIdentification, kCovariate,  kConstant};
+const std::string kQuestPlus = file_of("quest_plus");
+const std::string kStaircases = file_of("staircases");
+const std::string kPsi = file_of("psi");
+const std::vector<std::string> kAll{
+    kQuestPlus,          kStaircases,     kPsi, file_of("identification"), file_of("covariate"),
+    file_of("constant"), file_of("quest")};
 
 std::string problems(std::string_view text) {
     return refusal_of<ProtocolError>([&] { return parse_procedure(text, "p.toml"); });
-}
-
-/// `text` with one piece in place of another.
-std::string with(std::string_view text, std::string_view piece, std::string_view other) {
-    std::string changed(text);
-    return replaced(changed, piece, other);
 }
 
 }  // namespace
@@ -43,8 +31,8 @@ TEST_CASE("every kind of procedure file is read", "[procedure_file]") {
     const ProcedureFile file = parse_procedure(kStaircases, "p.toml");
     CHECK(file.procedure.estimates()[0].name == "low");
     CHECK(file.procedure.estimates()[1].name == "staircase_2");
-    CHECK(parse_procedure(kIdentification, "p.toml").procedure.outcomes() == 5);
-    CHECK(parse_procedure(kCovariate, "p.toml").procedure.stimulus_names() ==
+    CHECK(parse_procedure(file_of("identification"), "p.toml").procedure.outcomes() == 5);
+    CHECK(parse_procedure(file_of("covariate"), "p.toml").procedure.stimulus_names() ==
           std::vector<std::string>{"stimulus", "covariate"});
     CHECK(parse_procedure(kPsi, "p.toml").procedure.estimates()[1].name == "log10_slope");
 }
@@ -91,9 +79,10 @@ TEST_CASE("every key of the reference is read by some file, and each other one r
             CHECK((used || key.name == "sd"));  // tested below
         }
     }
-    std::string text = with(kPsi, "kind = \"psi\"", "kind = \"quest_plus\"");
-    text = with(text, "family = \"normal\"", "family = \"normal\"\nslope_as = \"sd\"");
-    CHECK(problems(with(text, "log10_slope = { from = -0.5,", "sd = { from = 0.5,")) == "accepted");
+    std::string text = replaced(kPsi, "kind = \"psi\"", "kind = \"quest_plus\"");
+    text = replaced(text, "family = \"normal\"", "family = \"normal\"\nslope_as = \"sd\"");
+    CHECK(problems(replaced(text, "log10_slope = { from = -0.5,", "sd = { from = 0.5,")) ==
+          "accepted");
     // An unknown key in every table of every file.
     for (const std::string_view file : kAll) {
         for (std::size_t at = file.find("\n["); at != std::string_view::npos;
@@ -110,10 +99,9 @@ TEST_CASE("every key of the reference is read by some file, and each other one r
 TEST_CASE("what is wrong with a procedure file is said with place and remedy", "[procedure_file]") {
     for (const auto& row : test_rows("procedure_problems.tsv")) {
         CAPTURE(row);
-        const std::string text = test_text("procedures/" + row.at(0) + ".toml");
-        CHECK_THAT(problems(with(text, row.at(1), row.at(2))), Has(row.at(3)));
+        CHECK_THAT(problems(replaced(file_of(row.at(0)), row.at(1), row.at(2))), Has(row.at(3)));
     }
-    CHECK_THAT(problems(with(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
+    CHECK_THAT(problems(replaced(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
                EndsWith("\"psi\" or \"quest_plus\""));  // it is needed: not to delete
     CHECK_THAT(problems("format = 1\n[procedure]\nkind = \"staircase\"\n"),
                Has("write each as a table [[staircase]]"));

@@ -6,21 +6,18 @@ using namespace palpate::protocols;
 
 namespace {
 
-std::string default_study() {
-    return slurp(std::filesystem::path(PALPATE_SOURCE_DIR) /
-                 "protocols/library/shape_friction.toml");
-}
+const std::string kDefaultStudy = short_text("shape_friction");
 
 }  // namespace
 
 TEST_CASE("every wrong file is refused at the right place, with the value and a remedy",
           "[protocol]") {
-    REQUIRE(refusal(default_study()) == "accepted");
+    REQUIRE(refusal(kDefaultStudy) == "accepted");
     // One change to the default study, where in the changed text the message must point, and what
     // it must say.
     for (const auto& row : test_rows("protocol_problems.tsv")) {
         const std::string &from = row.at(0), &to = row.at(1), &at = row.at(2), &says = row.at(3);
-        const std::string text = replaced(default_study(), from, to);
+        const std::string text = replaced(kDefaultStudy, from, to);
         CAPTURE(from, to);
         const std::string said = refusal(text);
         CHECK_THAT(said, Has(says));
@@ -29,7 +26,7 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
 }
 
 TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") {
-    std::string text = default_study();
+    std::string text = kDefaultStudy;
     const std::string second = "name = \"on\"";
     // Only one friction left: every trial has it.
     text.erase(text.find("[[friction]]\n" + second),
@@ -44,7 +41,7 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
-    std::string text = default_study();
+    std::string text = kDefaultStudy;
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
     }
@@ -59,7 +56,7 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
 
 TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
     const std::string text =
-        replaced(default_study(), "order = \"random\"", "order = \"first_order\"");
+        replaced(kDefaultStudy, "order = \"random\"", "order = \"first_order\"");
     const std::string said = refusal(
         edited(text, {{"repetitions = 10 ", "repetitions = 9 "}, {"blocks = 1 ", "blocks = 3 "}}));
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
@@ -79,9 +76,9 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
 }
 
 TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {
-    const std::string said = refusal(edited(default_study(), {{"gap_s = 1.5", "gap_s = -1"},
-                                                              {"rate_hz = 1000", "rate_hz = 10"},
-                                                              {"mu_s = 0.7", "mu_s = \"much\""}}));
+    const std::string said = refusal(edited(kDefaultStudy, {{"gap_s = 1.5", "gap_s = -1"},
+                                                            {"rate_hz = 1000", "rate_hz = 10"},
+                                                            {"mu_s = 0.7", "mu_s = \"much\""}}));
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
     CHECK(said.find("rate_hz") < said.find("mu_s"));
     CHECK(said.find("mu_s") < said.find("gap_s"));

@@ -11,7 +11,7 @@ using namespace palpate::protocols;
 namespace {
 
 std::string softness_study() {
-    return tests::short_text("softness_2afc", {});
+    return short_text("softness_2afc");
 }
 
 /// What is said of the shipped study with one edit.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
+#include "protocols/library/new_protocol.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -9,14 +9,8 @@ namespace palpate::tests {
 
 /// A shipped protocol made short.
 inline std::string short_text(std::string_view name,
-                              const std::vector<std::pair<std::string, std::string>>& edits) {
-    std::string text;
-    for (const auto& shipped : protocols::shipped_protocols()) {
-        if (shipped.name == name) {
-            text = shipped.text;
-        }
-    }
-    return edited(std::move(text), edits);
+                              const std::vector<std::pair<std::string, std::string>>& edits = {}) {
+    return edited(std::string(protocols::shipped_protocol(name).text), edits);
 }
 
 /// Why this text is no protocol, or "accepted".
