@@ -16,7 +16,7 @@ Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
 TEST_CASE(
     "every run has its trials, one half of its comparisons in each interval, within the limits",
     "[adaptive][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{60}));
+    SEED(std::uint64_t{60});
     Protocol protocol = adaptive_protocol();
     protocol.procedure->max_run = 2;
     protocol.procedure->max_run_interval = 3;

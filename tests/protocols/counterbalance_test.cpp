@@ -1,27 +1,11 @@
-#include "protocols/design/session_plan.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/protocols/orders.hpp"
 
 using namespace palpate::protocols;
 
 namespace {
 
 Protocol counterbalanced_study() {
-    Protocol protocol;
-    for (const char* name : {"a", "b", "c", "d", "e"}) {
-        protocol.objects.push_back({.name = name});
-    }
-    protocol.objects.push_back({.name = "catch", .pictured = false});
-    protocol.frictions = {{.name = "off"}, {.name = "on"}};
-    protocol.design.repetitions = 1;
-    return protocol;
-}
-
-std::vector<std::string> names(const Protocol& protocol, const std::vector<std::size_t>& order) {
-    std::vector<std::string> texts;
-    for (const std::size_t object : order) {
-        texts.push_back(protocol.objects[object].name);
-    }
-    return texts;
+    return named_study(5, 2, {.repetitions = 1});
 }
 
 }  // namespace
@@ -33,7 +17,7 @@ TEST_CASE("rows are balanced after every participant, whatever is drawn", "[coun
     for (int i = 0; i < 35; ++i) {
         const Plan plan = make_plan(protocol, "hash", {.participant = std::to_string(i)}, seed,
                                     picture_history(protocol, before, {}));
-        before.push_back(names(protocol, plan.picture_order));
+        before.push_back(names_of(protocol.objects, plan.picture_order));
         const RowHistory now = picture_history(protocol, before, before.back());
         REQUIRE(now.own);
         const auto [least, max] = std::minmax_element(now.uses.begin(), now.uses.end());

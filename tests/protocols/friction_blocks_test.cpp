@@ -8,16 +8,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol study(FrictionBlocks how, std::size_t frictions = 2, DesignSpec design = {}) {
-    Protocol protocol;
-    for (const char* name : {"a", "b", "c", "d", "e"}) {
-        protocol.objects.push_back({.name = name});
-    }
-    protocol.objects.push_back({.name = "low", .pictured = false});
-    protocol.objects.push_back({.name = "high", .pictured = false});
-    for (std::size_t i = 0; i < frictions; ++i) {
-        protocol.frictions.push_back({.name = std::string("friction_").append(std::to_string(i))});
-    }
-    protocol.design = design;
+    Protocol protocol = named_study(5, frictions, design, 2);
     if (design == DesignSpec{}) {
         protocol.design.blocks = 2;
     }
@@ -49,14 +40,6 @@ std::vector<std::size_t> frictions_of(const Plan& plan) {
         frictions.push_back(trials.front().condition.friction);
     }
     return frictions;
-}
-
-std::vector<std::string> names(const Protocol& protocol, const std::vector<std::size_t>& row) {
-    std::vector<std::string> names;
-    for (const std::size_t friction : row) {
-        names.push_back(protocol.frictions[friction].name);
-    }
-    return names;
 }
 
 }  // namespace
@@ -103,20 +86,16 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
 TEST_CASE("abba goes there and back, blocked goes there again", "[friction_blocks][law]") {
     EACH(frictions, std::size_t{2}, std::size_t{3}, std::size_t{4});
     SEED(std::uint64_t{20});
-    const auto there = [&](const std::vector<std::size_t>& all) {
-        return std::vector<std::size_t>(all.begin(),
-                                        all.begin() + static_cast<std::ptrdiff_t>(frictions));
-    };
-    const auto again = [&](const std::vector<std::size_t>& all) {
-        return std::vector<std::size_t>(all.begin() + static_cast<std::ptrdiff_t>(frictions),
-                                        all.end());
+    const auto round = [&](const std::vector<std::size_t>& all, std::size_t i) {
+        const auto ordered = std::span(all).subspan(i * frictions, frictions);
+        return std::vector<std::size_t>(ordered.begin(), ordered.end());
     };
     const Protocol abba = study(FrictionBlocks::abba, frictions);
     const auto mirrored = frictions_of(blocked_plan_of(abba, seed));
-    auto back = again(mirrored);
+    auto back = round(mirrored, 1);
     std::reverse(back.begin(), back.end());
-    CHECK(back == there(mirrored));
-    CHECK(first_round(abba, blocked_plan_of(abba, seed)) == there(mirrored));
+    CHECK(back == round(mirrored, 0));
+    CHECK(first_round(abba, blocked_plan_of(abba, seed)) == round(mirrored, 0));
     // Each friction has the same mean place: what drifts in a straight line weighs alike on all.
     std::map<std::size_t, std::size_t> places;
     for (std::size_t i = 0; i < mirrored.size(); ++i) {
@@ -127,7 +106,7 @@ TEST_CASE("abba goes there and back, blocked goes there again", "[friction_block
     }
     const auto blocked =
         frictions_of(blocked_plan_of(study(FrictionBlocks::blocked, frictions), seed));
-    CHECK(there(blocked) == again(blocked));
+    CHECK(round(blocked, 0) == round(blocked, 1));
 }
 
 TEST_CASE("catch trials are felt with the friction of their block, spread evenly over its blocks",
@@ -217,7 +196,7 @@ TEST_CASE("after every participant no order of frictions is used more than once 
     for (std::uint64_t i = 0; i < 13; ++i) {
         const Plan plan =
             blocked_plan_of(protocol, 100 * seed + i, friction_history(protocol, before, {}));
-        before.push_back(names(protocol, first_round(protocol, plan)));
+        before.push_back(names_of(protocol.frictions, first_round(protocol, plan)));
         const RowHistory now = friction_history(protocol, before, before.back());
         REQUIRE(now.uses.size() == friction_rows(protocol).size());
         const auto [least, max] = std::minmax_element(now.uses.begin(), now.uses.end());

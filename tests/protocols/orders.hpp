@@ -1,5 +1,6 @@
 #pragma once
 
+#include "protocols/design/session_plan.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "tests/support/catch.hpp"
 
@@ -18,6 +19,35 @@ inline Order factorial_of(std::size_t objects, std::size_t frictions, std::size_
         }
     }
     return trials;
+}
+
+/// A study of so many pictured objects, unpictured ones for catch trials, and frictions.
+inline protocols::Protocol named_study(std::size_t objects,
+                                       std::size_t frictions,
+                                       const protocols::DesignSpec& design,
+                                       std::size_t unpictured = 1) {
+    protocols::Protocol protocol;
+    for (std::size_t i = 0; i < objects; ++i) {
+        protocol.objects.push_back({.name = fmt::format("object_{}", i)});
+    }
+    for (std::size_t i = 0; i < unpictured; ++i) {
+        protocol.objects.push_back({.name = fmt::format("catch_{}", i), .pictured = false});
+    }
+    for (std::size_t i = 0; i < frictions; ++i) {
+        protocol.frictions.push_back({.name = fmt::format("friction_{}", i)});
+    }
+    protocol.design = design;
+    return protocol;
+}
+
+/// What the objects, or the frictions, of an order are called.
+template <class Things>
+std::vector<std::string> names_of(const Things& things, const std::vector<std::size_t>& order) {
+    std::vector<std::string> names;
+    for (const std::size_t i : order) {
+        names.push_back(things[i].name);
+    }
+    return names;
 }
 
 inline std::size_t longest_run(const Order& order, std::size_t Condition::*factor) {

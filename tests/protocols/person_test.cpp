@@ -1,5 +1,6 @@
 #include "protocols/file/observer_file.hpp"
 #include "protocols/observer/simulated_observer.hpp"
+#include "tests/protocols/simulated_answers.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
 
@@ -18,23 +19,13 @@ double logit_of(double share) {
     return std::log(share / (1.0 - share));
 }
 
-struct Spread {
-    double mean = 0.0;
-    double sd = 0.0;
-};
-
 template <class Number>
 Spread over_people(const ObserverModel& model, Number number) {
-    constexpr std::size_t kPeople = 4000;
-    double sum = 0.0;
-    double squares = 0.0;
-    for (std::size_t i = 0; i < kPeople; ++i) {
-        const double value = number(drawn_person(model, key_of(i)));
-        sum += value;
-        squares += value * value;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < 4000; ++i) {
+        values.push_back(number(drawn_person(model, key_of(i))));
     }
-    const double mean = sum / kPeople;
-    return {mean, std::sqrt(squares / kPeople - mean * mean)};
+    return spread_of(values);
 }
 
 /// 4 standard errors of 4,000 people.
@@ -168,8 +159,7 @@ TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up
     SimulatedObserver who(
         protocol, key_of(1), {0, 1, 2}, [] { return true; }, person);
     constexpr std::size_t kTrials = 4000;
-    double sum = 0.0;
-    double squares = 0.0;
+    std::vector<double> logs;
     double time = 0.0;
     for (std::size_t i = 0; i < kTrials; ++i) {  // nothing is felt: each answer is a guess
         const TrialView view{.total = kTrials, .done = i};
@@ -178,11 +168,9 @@ TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up
         const double reaction = who.choose(view, which_of(pictures)).reaction_s;
         REQUIRE(who.gap(1.5) == Signal::go_on);
         time += 3.5 + reaction + 1.5;
-        sum += std::log(reaction);
-        squares += std::log(reaction) * std::log(reaction);
+        logs.push_back(std::log(reaction));
     }
-    const double mean = sum / kTrials;
-    check_spread({mean, std::sqrt(squares / kTrials - mean * mean)}, std::log(2.0 * 1.8), 0.3);
+    check_spread(spread_of(logs), std::log(2.0 * 1.8), 0.3);
     CHECK(who.time_s() == Approx(time));
 }
 
@@ -191,8 +179,7 @@ TEST_CASE("an observer file says what it means: read, written and read again it 
     CHECK(parse_observer(observer_example(), "example") == typical_observer());
     CHECK(parse_observer("format = 1\n", "empty") == ObserverModel{});
     CHECK(load_observer("typical") == typical_observer());
-    const auto seed = GENERATE(palpate::tests::seeds(100U));
-    tests::Random random(seed);
+    SEEDED(random, 100U);
     ObserverModel model;
     model.typical = {.noise = random.in(0.0, 9.0),
                      .lapse = random.in(0.0, 1.0),

@@ -8,19 +8,6 @@ using namespace palpate::protocols;
 
 namespace {
 
-Protocol study(std::size_t objects, std::size_t frictions, DesignSpec design) {
-    Protocol protocol;
-    for (std::size_t i = 0; i < objects; ++i) {
-        protocol.objects.push_back({.name = "object_" + std::to_string(i)});
-    }
-    protocol.objects.push_back({.name = "catch", .pictured = false});
-    for (std::size_t i = 0; i < frictions; ++i) {
-        protocol.frictions.push_back({.name = "friction_" + std::to_string(i)});
-    }
-    protocol.design = design;
-    return protocol;
-}
-
 Plan ruled_plan_of(const Protocol& protocol, std::uint64_t seed = 1) {
     return make_plan(protocol, "hash", {.participant = "p"}, seed);
 }
@@ -98,7 +85,7 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
           "[plan][law]") {
     SEED(std::uint64_t{20});
     EACH(blocks, std::size_t{1}, std::size_t{2}, std::size_t{5});
-    const Plan plan = ruled_plan_of(study(5, 2, {.blocks = blocks}), seed);
+    const Plan plan = ruled_plan_of(named_study(5, 2, {.blocks = blocks}), seed);
     const PlanSummary summary = summarise(plan);
     std::size_t main = 0;
     for (const auto& [part, counts] : summary.counts) {
@@ -134,12 +121,12 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
           "[plan][law]") {
     SEED(std::uint64_t{20});
     EACH(practice, std::size_t{0}, std::size_t{1});
-    const Plan plan = ruled_plan_of(study(3, 2,
-                                          {.repetitions = 6,
-                                           .practice_repetitions = practice,
-                                           .catch_trials = 0,
-                                           .break_every = 9,
-                                           .order = OrderRule::first_order}),
+    const Plan plan = ruled_plan_of(named_study(3, 2,
+                                                {.repetitions = 6,
+                                                 .practice_repetitions = practice,
+                                                 .catch_trials = 0,
+                                                 .break_every = 9,
+                                                 .order = OrderRule::first_order}),
                                     seed);
     const std::size_t lead_in = 6 * practice;
     REQUIRE(plan.trials.size() == lead_in + 37);
@@ -161,18 +148,19 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
 }
 
 TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[plan]") {
-    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 3})), Has("10 repetitions", "3 blocks"));
-    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 0})), Has("0 blocks"));
+    CHECK_THROWS_WITH(ruled_plan_of(named_study(5, 2, {.blocks = 3})),
+                      Has("10 repetitions", "3 blocks"));
+    CHECK_THROWS_WITH(ruled_plan_of(named_study(5, 2, {.blocks = 0})), Has("0 blocks"));
     CHECK_THROWS_WITH(
-        ruled_plan_of(study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
+        ruled_plan_of(named_study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
         Has("6 conditions needs 6 repetitions"));
     CHECK_THROWS_WITH(
-        ruled_plan_of(study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
+        ruled_plan_of(named_study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
         Has("no catch trials"));
 }
 
 TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
-    const Plan plan = ruled_plan_of(study(
+    const Plan plan = ruled_plan_of(named_study(
         5, 2, {.repetitions = 1000, .practice_repetitions = 0, .catch_trials = 0, .blocks = 100}));
     CHECK(plan.trials.size() == 10'000);
     CHECK(summarise(plan).longest_friction_run <= 3);
@@ -182,12 +170,13 @@ TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
 // version of this program must give the same plans, or a session could not be resumed there.
 TEST_CASE("plans of many designs are the same in every build", "[plan][golden]") {
     const std::array designs = {
-        study(5, 2, {}),
-        study(5, 2, {.repetitions = 5, .max_run_object = 1, .max_run_friction = 2}),
-        study(2, 2, {.max_run_object = 1, .max_run_friction = 2}),
-        study(5, 2, {.max_run_object = 0, .max_run_friction = 1}),
-        study(7, 3, {.repetitions = 4, .max_run_object = 0, .max_run_friction = 0, .blocks = 2}),
-        study(3, 2, {.repetitions = 6, .catch_trials = 0, .order = OrderRule::first_order})};
+        named_study(5, 2, {}),
+        named_study(5, 2, {.repetitions = 5, .max_run_object = 1, .max_run_friction = 2}),
+        named_study(2, 2, {.max_run_object = 1, .max_run_friction = 2}),
+        named_study(5, 2, {.max_run_object = 0, .max_run_friction = 1}),
+        named_study(7, 3,
+                    {.repetitions = 4, .max_run_object = 0, .max_run_friction = 0, .blocks = 2}),
+        named_study(3, 2, {.repetitions = 6, .catch_trials = 0, .order = OrderRule::first_order})};
     std::string hashes;
     for (const Protocol& protocol : designs) {
         for (std::uint64_t seed = 0; seed < 5; ++seed) {

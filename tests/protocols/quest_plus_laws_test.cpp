@@ -24,21 +24,6 @@ QuestPlusSpec identification() {
             .trials = 150};
 }
 
-struct Spread {
-    double mean = 0.0;
-    double deviation = 0.0;
-};
-
-Spread spread_of(const std::vector<double>& values) {
-    const double n = static_cast<double>(values.size());
-    Spread spread{std::accumulate(values.begin(), values.end(), 0.0) / n, 0.0};
-    for (const double v : values) {
-        spread.deviation += (v - spread.mean) * (v - spread.mean) / (n - 1.0);
-    }
-    spread.deviation = std::sqrt(spread.deviation);
-    return spread;
-}
-
 /// Errors of the posterior mean of parameter k over seeded runs.
 std::vector<double> errors(const QuestPlusSpec& spec, std::size_t k, int runs) {
     const QuestPlus fresh(spec);
@@ -69,8 +54,8 @@ TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias", "[q
     // The best stimulus gives about .64 / sd^2 of Fisher information a trial on the threshold of a
     // yes/no task (at F = 1/2): with sd 2 and 120 trials no unbiased estimate spreads less than
     // .23.
-    CHECK(std::fabs(error.mean) < 3.0 * error.deviation / std::sqrt(60.0));
-    CHECK(error.deviation < 2.0 * 0.23);
+    CHECK(std::fabs(error.mean) < 3.0 * error.sd / std::sqrt(60.0));
+    CHECK(error.sd < 2.0 * 0.23);
 }
 
 TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][law]") {
@@ -78,9 +63,9 @@ TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][la
     const Spread noise = spread_of(errors(spec, 0, 50));
     const Spread bias = spread_of(errors(spec, 1, 50));
     CHECK(std::fabs(noise.mean) < 0.3);
-    CHECK(noise.deviation < 0.7);
-    CHECK(std::fabs(bias.mean) < 3.0 * bias.deviation / std::sqrt(50.0));
-    CHECK(bias.deviation < 0.7);  // noise 4: at least .33 from 150 percepts themselves
+    CHECK(noise.sd < 0.7);
+    CHECK(std::fabs(bias.mean) < 3.0 * bias.sd / std::sqrt(50.0));
+    CHECK(bias.sd < 0.7);  // noise 4: at least .33 from 150 percepts themselves
 }
 
 TEST_CASE("the identification model is counted out by its percepts", "[quest_plus][law]") {

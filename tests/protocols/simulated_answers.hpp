@@ -5,6 +5,21 @@
 
 namespace palpate::tests {
 
+struct Spread {
+    double mean = 0.0;
+    double sd = 0.0;
+};
+
+inline Spread spread_of(const std::vector<double>& values) {
+    const double n = static_cast<double>(values.size());
+    Spread spread{std::accumulate(values.begin(), values.end(), 0.0) / n, 0.0};
+    for (const double v : values) {
+        spread.sd += (v - spread.mean) * (v - spread.mean) / (n - 1.0);
+    }
+    spread.sd = std::sqrt(spread.sd);
+    return spread;
+}
+
 /// An answer of an observer who is the model itself with the parameters `truth`.
 inline std::size_t answer_of(const protocols::OutcomeModel& model,
                              std::span<const double> stimulus,
