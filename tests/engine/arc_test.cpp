@@ -1,6 +1,7 @@
 #include "engine/rendering/scene.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -169,8 +170,8 @@ TEST_CASE("arcs are felt as the same curves without a closed form are", "[render
     if (seed % 4 == 1) {
         spec.slew = {.speed = 0.2, .radius = 0.003};
     }
-    const Scene closed(std::make_shared<const Outline>(Outline(arcs, false)), spec);
-    const Scene general(std::make_shared<const Outline>(Outline(cubics, false)), spec);
+    const Scene closed(open_outline(arcs), spec);
+    const Scene general(open_outline(cubics), spec);
     REQUIRE(closed.outline().arc(0) != nullptr);
     REQUIRE(general.outline().arc(0) == nullptr);
     ContactState a;

@@ -3,6 +3,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -111,8 +112,7 @@ TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[ren
 }
 
 TEST_CASE("a press into a flat face at 0.1 m/s feels K d + B v", "[rendering]") {
-    const Outline floor({make_line({-1.0, 0.0}, {1.0, 0.0})}, false);
-    const Scene flat(std::make_shared<const Outline>(floor), {.damping = 0.4});
+    const Scene flat(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.damping = 0.4});
     ContactState pressed;
     static_cast<void>(flat.tick(pressed, {0.0, 0.0}));
     for (int i = 1; i < 20; ++i) {

@@ -2,6 +2,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -106,10 +107,8 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
 TEST_CASE("round a shallow corner the force never steps by more than the bound",
           "[friction][law]") {
     SEED(std::uint64_t{20});
-    const Scene scene(
-        std::make_shared<const Outline>(Outline(
-            {make_line({-0.1, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, {0.1, -0.0404})}, false)),
-        {.friction = kFriction, .slew = kSlew});
+    const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}, {0.1, -0.0404}}),
+                      {.friction = kFriction, .slew = kSlew});
     CHECK(steps_above_bound(scene, random_hand(seed, 4000, {-0.03, -0.012}, {0.03, 0.002})) == 0);
 }
 
@@ -138,9 +137,7 @@ TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]"
 
 TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given",
           "[friction][law]") {
-    const Scene scene(
-        std::make_shared<const Outline>(Outline({make_line({-1.0, 0.0}, {1.0, 0.0})}, false)),
-        {.friction = kFriction});
+    const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kFriction});
     ContactState state;
     const double depth = 0.003;
     static_cast<void>(scene.tick(state, {0.0, 0.001}));
@@ -241,10 +238,8 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     CAPTURE(curvature, speed);
     // The two sides alone: at 10 % of the concave one, 2 mm down, the base line is nearer.
     const Vec2 vertex{0.0, 0.04};
-    const auto sides =
-        std::make_shared<const Outline>(std::vector{make_arc({-0.04, 0.0}, vertex, curvature),
-                                                    make_arc(vertex, {0.04, 0.0}, curvature)},
-                                        false);
+    const auto sides = open_outline(
+        {make_arc({-0.04, 0.0}, vertex, curvature), make_arc(vertex, {0.04, 0.0}, curvature)});
     const Scene scene(sides, {.friction = kSliding});
     const double chord = std::hypot(0.04, 0.04);
     const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kSliding.tau_slip;
@@ -282,10 +277,6 @@ struct Ride {
     std::array<std::array<double, 2>, 3> bounds;
 };
 
-std::shared_ptr<const Outline> open_outline(std::vector<RationalBezier<2>> spans) {
-    return std::make_shared<const Outline>(std::move(spans), false);
-}
-
 /// In, along, deeper, along an arc.
 Ride along_an_arc() {
     const RationalBezier<2> side = make_arc({-0.08, 0.0}, {0.0, 0.04}, 6.0);
@@ -318,9 +309,7 @@ Ride over_a_vertex(const char* name,
         const double ridge = std::sqrt(x * x + 1e-8);  // a hand turns within 0.1 mm
         return Vec2{x, -std::tan(half) * ridge - std::min(0.08 * t, 0.004) / std::cos(half)};
     };
-    return {name, open_outline({make_line({-side.x, side.y}, Vec2{}), make_line(Vec2{}, side)}),
-            slew, 1.5,
-            hip,  bounds};
+    return {name, polyline({{-side.x, side.y}, {}, side}), slew, 1.5, hip, bounds};
 }
 
 /// Forces of a ride at every millisecond.

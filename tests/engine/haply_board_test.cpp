@@ -171,14 +171,6 @@ TEST_CASE("a counter starts at its offset and counts in the direction it was giv
     CHECK(std::fabs(reply->angle_deg[1] - (168.0 - turned_1)) <= 1.001 * count);
 }
 
-namespace {
-
-std::vector<std::uint8_t> bytes_of(const HaplyPacket& packet) {
-    return {packet.view().begin(), packet.view().end()};
-}
-
-}  // namespace
-
 // Golden bytes as they are printed, written from the protocol's rules, section 2.1 of the facts on
 // devices; not captured from hardware.
 TEST_CASE("a set-up is the bytes that the makers' examples give", "[haply][golden]") {
@@ -188,38 +180,33 @@ TEST_CASE("a set-up is the bytes that the makers' examples give", "[haply][golde
                           .sensor_pin = {},
                           .offset_deg = {-61.0, 241.0},
                           .counts_per_turn = {10752.0, 10752.0}};
-    CHECK(bytes_of(setup_packet(gen2)) ==
-          bytes_of_hex(
-              "01 05 03 00 01 03 00 01 00 00 00 00 74 C2 00 00 28 46 00 00 71 43 00 00 28 46"));
+    CHECK(hex_of(setup_packet(gen2).view()) ==
+          "01 05 03 00 01 03 00 01 00 00 00 00 74 C2 00 00 28 46 00 00 71 43 00 00 28 46");
     HaplySetup gen3{.id = 5,
                     .sensor_pin = {},
                     .offset_deg = {12.0, 168.0},
                     .counts_per_turn = {4880.0, 4880.0}};
-    CHECK(bytes_of(setup_packet(gen3)) ==
-          bytes_of_hex(
-              "01 05 03 01 01 03 01 01 00 00 00 00 40 41 00 80 98 45 00 00 28 43 00 80 98 45"));
+    CHECK(hex_of(setup_packet(gen3).view()) ==
+          "01 05 03 01 01 03 01 01 00 00 00 00 40 41 00 80 98 45 00 00 28 43 00 80 98 45");
     gen3.sensor_pin = 56;  // A2
-    CHECK(bytes_of(setup_packet(gen3)) ==
-          bytes_of_hex("01 05 03 01 01 03 01 01 01 38 00 00 00 40 41 00 80 "
-                       "98 45 00 00 28 43 00 80 98 45"));
+    CHECK(hex_of(setup_packet(gen3).view()) ==
+          "01 05 03 01 01 03 01 01 01 38 00 00 00 40 41 00 80 "
+          "98 45 00 00 28 43 00 80 98 45");
     const HaplySetup haplet{.id = 3,
                             .motor_clockwise = {true, true},
                             .encoder_clockwise = {true, true},
                             .sensor_pin = {},
                             .offset_deg = {180.0, 0.0},
                             .counts_per_turn = {13824.0, 13824.0}};
-    CHECK(bytes_of(setup_packet(haplet)) ==
-          bytes_of_hex(
-              "01 03 03 00 00 03 00 00 00 00 00 00 34 43 00 00 58 46 00 00 00 00 00 00 58 46"));
+    CHECK(hex_of(setup_packet(haplet).view()) ==
+          "01 03 03 00 00 03 00 00 00 00 00 00 34 43 00 00 58 46 00 00 00 00 00 00 58 46");
 }
 
 TEST_CASE("torques, zero, reset and replies are the bytes of the table", "[haply][golden]") {
-    CHECK(bytes_of(*torque_packet(5, {0.05, -0.0125})) ==
-          bytes_of_hex("02 05 CD CC 4C 3D CD CC 4C BC"));
-    CHECK(bytes_of(*torque_packet(5, {0.0, 0.0})) == bytes_of_hex("02 05 00 00 00 00 00 00 00 00"));
-    CHECK(bytes_of(*torque_packet(5, {-0.0, -0.0})) ==
-          bytes_of_hex("02 05 00 00 00 00 00 00 00 00"));
-    CHECK(bytes_of(reset_packet(5)) == bytes_of_hex("00 05"));
+    CHECK(hex_of(torque_packet(5, {0.05, -0.0125})->view()) == "02 05 CD CC 4C 3D CD CC 4C BC");
+    CHECK(hex_of(torque_packet(5, {0.0, 0.0})->view()) == "02 05 00 00 00 00 00 00 00 00");
+    CHECK(hex_of(torque_packet(5, {-0.0, -0.0})->view()) == "02 05 00 00 00 00 00 00 00 00");
+    CHECK(hex_of(reset_packet(5).view()) == "00 05");
     const auto reply = read_reply(bytes_of_hex("05 49 2E 41 41 1B ED 27 43"), 5, false);
     REQUIRE(reply);
     CHECK(std::fabs(reply->angle_deg[0] - 12.0738) < 1e-4);

@@ -3,6 +3,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -18,12 +19,7 @@ Friction friction_of(const LawTraits& law) {
 
 /// A flat piece of ground, 2 m long and thick.
 std::shared_ptr<const Outline> ground() {
-    const std::vector<Vec2> corners{{-1.0, 0.0}, {1.0, 0.0}, {1.0, -2.0}, {-1.0, -2.0}};
-    std::vector<RationalBezier<2>> sides;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        sides.push_back(make_line(corners[i], corners[(i + 1) % corners.size()]));
-    }
-    return std::make_shared<const Outline>(std::move(sides), true);
+    return polyline({{-1.0, 0.0}, {1.0, 0.0}, {1.0, -2.0}, {-1.0, -2.0}}, true);
 }
 
 std::vector<Vec2> rough_hand(std::uint64_t seed) {

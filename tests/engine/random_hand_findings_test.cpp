@@ -2,25 +2,11 @@
 #include "engine/math/elementary.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 // What palpate_stress found, one case a finding, and the law around it.
 using namespace palpate::engine;
-
-namespace {
-
-std::shared_ptr<const Outline> chain(const std::vector<Vec2>& points, bool closed) {
-    std::vector<RationalBezier<2>> edges;
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-        edges.push_back(make_line(points[i], points[i + 1]));
-    }
-    if (closed) {
-        edges.push_back(make_line(points.back(), points.front()));
-    }
-    return std::make_shared<const Outline>(Outline(edges, closed));
-}
-
-}  // namespace
 
 TEST_CASE("straight below the end of one edge the foot on the other is not missed",
           "[contact][law]") {
@@ -30,7 +16,7 @@ TEST_CASE("straight below the end of one edge the foot on the other is not misse
     const Vec2 in{std::cos(heading), std::sin(heading)};
     const Vec2 out{std::cos(heading + turn), std::sin(heading + turn)};
     const Vec2 tip = random.point(-1.0, 1.0);
-    const auto outline = chain({tip - in, tip, tip + out}, false);
+    const auto outline = polyline({tip - in, tip, tip + out});
     const CertifiedTracker tracker(*outline);
     TrackState state;
     const Vec2 normal = random.coin() ? perp(in) : perp(out);
@@ -44,9 +30,10 @@ TEST_CASE("straight below the end of one edge the foot on the other is not misse
 TEST_CASE("a hand that goes in over a vertex along the normal of its edge finds the other edge",
           "[contact]") {
     // palpate_stress, seed 195: a triangle of 1 mm, the vertex at its bottom, two ticks.
-    const auto outline = chain({Vec2{0.0, 0.0}, Vec2{5.699779455544924e-05, -0.0008735843578463035},
-                                Vec2{2.433605999841767e-05, -0.0008696442275279016}},
-                               true);
+    const auto outline =
+        polyline({Vec2{0.0, 0.0}, Vec2{5.699779455544924e-05, -0.0008735843578463035},
+                  Vec2{2.433605999841767e-05, -0.0008696442275279016}},
+                 true);
     const CertifiedTracker tracker(*outline);
     TrackState state;
     for (const Vec2& h : {Vec2{5.729831566487734e-05, -0.0008735647500771157},
@@ -81,8 +68,7 @@ TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve
     const std::vector<Vec2> points{Vec2{-1.0, 1.0}, Vec2{1.0 - gap, -0.5}, Vec2{-1.0 + gap, -0.5},
                                    Vec2{1.0, 1.0}};
     const RationalBezier<2> span(points, std::vector<double>(4, 1.0));
-    const auto outline =
-        std::make_shared<const Outline>(Outline(std::vector<RationalBezier<2>>{span}, false));
+    const auto outline = open_outline({span});
     for (const Friction& friction : {Friction{}, Friction{.mu_s = 0.3, .mu_d = 0.3}}) {
         const Scene scene(outline, {.friction = friction});
         Random random(1);
@@ -105,7 +91,7 @@ TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out
     SEEDED(random, std::uint64_t{300});
     const double turn = (random.coin() ? 1.0 : -1.0) * random.decade(-8.5, -6.0);
     const Vec2 out{std::cos(turn), std::sin(turn)};
-    const auto outline = chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, out}, false);
+    const auto outline = polyline({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, out});
     const OutlineFeet feet(*outline);
     const double depth = random.decade(-10.0, -3.0);
     const Vec2 beside{random.in(-2.0, 2.0) * std::fabs(turn) * depth, 0.0};
@@ -123,8 +109,7 @@ TEST_CASE("left of an open end whose control points repeat nothing is felt, howe
     points.push_back(points.back());
     const std::vector<double> weights{1.0, random.decade(-2.0, 0.0), random.decade(-2.0, 0.0), 1.0,
                                       random.decade(0.0, 3.0)};
-    const auto outline = std::make_shared<const Outline>(
-        std::vector<RationalBezier<2>>{RationalBezier<2>(points, weights)}, false);
+    const auto outline = open_outline({RationalBezier<2>(points, weights)});
     const Scene scene(outline, {.friction = {.mu_s = 0.7, .mu_d = 0.7}});
     const Vec2 end = points.back();
     const Vec2 along = (end - points[2]) / glm::length(end - points[2]);

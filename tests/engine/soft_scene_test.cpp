@@ -6,6 +6,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -364,11 +365,7 @@ TEST_CASE("a compliance that cannot be rendered is refused with the remedy", "[s
                      .compliance = 1e-3},
                     two),
                Catch::StartsWith("an object with a compliance takes friction \"frictionless\""));
-    const auto triangle = std::make_shared<const Outline>(
-        std::vector<RationalBezier<2>>{
-            make_line({0.0, 0.0}, {0.02, 0.03}), make_line({0.02, 0.03}, {0.03, 0.03}),
-            make_line({0.03, 0.03}, {0.04, 0.0}), make_line({0.04, 0.0}, {0.0, 0.0})},
-        true);
+    const auto triangle = polyline({{0.0, 0.0}, {0.02, 0.03}, {0.03, 0.03}, {0.04, 0.0}}, true);
     CHECK_THAT(says({.compliance = 1e-3}, triangle),
                Catch::StartsWith("a compliance is for two curves on a base line"));
 }

@@ -8,7 +8,7 @@ using namespace palpate::engine;
 namespace {
 
 SurfaceFeet feet_of(const SurfaceData& data) {
-    return SurfaceFeet(std::make_shared<const NurbsSurface>(make_surface(data)));
+    return SurfaceFeet(made(data));
 }
 
 Vec3 random_point(Random& random, double size) {

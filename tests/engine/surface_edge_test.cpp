@@ -1,7 +1,7 @@
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_scenes.hpp"
-#include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
 
@@ -15,10 +15,7 @@ struct Ridge {
     double right = 0.0;
 
     [[nodiscard]] Scene plane(const SceneSpec& spec) const {
-        return {std::make_shared<const Outline>(Outline({line({-kHalf, -left * kHalf}, {0.0, 0.0}),
-                                                         line({0.0, 0.0}, {kHalf, -right * kHalf})},
-                                                        false)),
-                spec};
+        return {polyline({{-kHalf, -left * kHalf}, {0.0, 0.0}, {kHalf, -right * kHalf}}), spec};
     }
     [[nodiscard]] SurfaceScene space(const SceneSpec& spec, int turns = 0) const {
         auto sides = roof(kHalf, left, right);
@@ -151,7 +148,7 @@ TEST_CASE("the work of a tick on a surface is bounded, and what it could not do 
             p = Vec3{p.x, 1e-9 * p.y, 1e-9 * p.z};
         }
     }
-    const SurfaceFeet feet(shared(d));
+    const SurfaceFeet feet(made(d));
     SurfaceTrack patient;
     SurfaceTrack hurried;
     int given_up = 0;

@@ -251,7 +251,7 @@ TEST_CASE("a HIP over a surface that is not finite gives zero force, and the nex
 TEST_CASE("a surface scene refuses values out of range, with the value and the remedy",
           "[scene][surface]") {
     const auto refuse = [](const SceneSpec& spec) {
-        return SurfaceScene(shared(plane(0.05)), spec);
+        return SurfaceScene(made(plane(0.05)), spec);
     };
     CHECK_THROWS_WITH(refuse({.stiffness = 0.0}), Has("stiffness is 0", "above 0"));
     CHECK_THROWS_WITH(refuse({.period = -0.001}), Has("tick period"));

@@ -1,6 +1,7 @@
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -11,19 +12,14 @@ constexpr Friction kVertexFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .
 constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
 
 std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
-    return std::make_shared<const Outline>(
-        Outline({make_line(from, {0.0, 0.0}), make_line({0.0, 0.0}, to)}, false));
+    return polyline({from, {0.0, 0.0}, to});
 }
 
 /// Ground whose surface is `height` lower from x = 0 on; the foot of the step is at x = `foot`.
 std::shared_ptr<const Outline> barb(double height, double foot) {
-    const std::vector<Vec2> corners{{-0.04, 0.0},    {0.0, 0.0},    {foot, -height},
-                                    {0.04, -height}, {0.04, -0.04}, {-0.04, -0.04}};
-    std::vector<RationalBezier<2>> sides;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        sides.push_back(make_line(corners[i], corners[(i + 1) % corners.size()]));
-    }
-    return std::make_shared<const Outline>(std::move(sides), true);
+    return polyline(
+        {{-0.04, 0.0}, {0.0, 0.0}, {foot, -height}, {0.04, -height}, {0.04, -0.04}, {-0.04, -0.04}},
+        true);
 }
 
 }  // namespace
@@ -163,8 +159,7 @@ TEST_CASE("in a concave vertex both normals carry, and no friction lets go of th
 }
 
 TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", "[vertex]") {
-    const Scene scene(
-        std::make_shared<const Outline>(Outline({make_line({-0.1, 0.0}, {0.0, 0.0})}, false)), {});
+    const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}}), {});
     ContactState state;
     Contact c;
     for (int k = 0; k <= 100; ++k) {

@@ -7,14 +7,6 @@ using namespace palpate::engine;
 
 namespace {
 
-std::string hex(std::span<const std::uint8_t> bytes) {
-    std::string text;
-    for (const std::uint8_t byte : bytes) {
-        text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
-    }
-    return text;
-}
-
 /// The body that ends with the last byte of these.
 std::vector<std::uint8_t> body_in(std::span<const std::uint8_t> wire) {
     OpenReader reader;
@@ -29,7 +21,7 @@ std::vector<std::uint8_t> body_in(std::span<const std::uint8_t> wire) {
 
 TEST_CASE("frames of the open board are those of its protocol's table", "[open]") {
     const auto frame = [](const OpenBytes& body) {
-        return hex(open_frame(body).view());
+        return hex_of(open_frame(body).view());
     };
     CHECK(frame(open_hello(1)) == "00 03 01 01 02 01 03 50 C1 00");
     CHECK(frame(open_config(2, {.token = 0x1234,
@@ -63,7 +55,7 @@ TEST_CASE("frames of the open board are those of its protocol's table", "[open]"
 TEST_CASE("frames of three axes are longer by a number for each array, and nothing else",
           "[open][gantry]") {
     const auto frame = [](const OpenBytes& body) {
-        return hex(open_frame(body).view());
+        return hex_of(open_frame(body).view());
     };
     CHECK(frame(open_config(2, {.token = 0x1234,
                                 .watchdog_ms = 20,
@@ -112,7 +104,7 @@ TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[ope
         for (const std::uint8_t byte : frame.view()) {
             found = reader.take(byte);
         }
-        REQUIRE(hex(found) == hex(body.view()));
+        REQUIRE(hex_of(found) == hex_of(body.view()));
     }
 }
 

@@ -9,18 +9,8 @@ using namespace palpate::tests;
 using engine::Vec2;
 using Chain = std::vector<NurbsData<2>>;
 
-NurbsData<2> bezier(std::vector<Vec2> points, std::vector<double> weights) {
-    NurbsData<2> curve;
-    curve.degree = static_cast<int>(points.size()) - 1;
-    curve.knots.assign(points.size(), 0.0);
-    curve.knots.insert(curve.knots.end(), points.size(), 1.0);
-    curve.points = std::move(points);
-    curve.weights = std::move(weights);
-    return curve;
-}
-
 NurbsData<2> line(const Vec2& from, const Vec2& to) {
-    return bezier({from, to}, {1.0, 1.0});
+    return bezier_data({from, to});
 }
 
 /// Random curves that share their ends; weights, repeated knots and points as random_nurbs has
@@ -90,7 +80,7 @@ Chain two_arcs(Random& random) {
         }
         points.front() = from;
         points.back() = to;
-        chain.push_back(bezier(points, weights));
+        chain.push_back(bezier_data(points, weights));
     };
     arc(a, tip);
     arc(tip, b);

@@ -22,6 +22,18 @@ engine::CommissioningDesk attended(Bring bring, Tick tick, double period = 1e-3)
             .period = period};
 }
 
+/// What a refusal should name of the motors, or should not; empty: nothing.
+inline std::string misnamed(const std::string& refused, const engine::Connection& motors) {
+    std::string wrong;
+    const auto names = [&](const std::string& words, bool is_so) {
+        wrong += (refused.find(words) != std::string::npos) == is_so ? "" : words + ", ";
+    };
+    names("swapped", motors.swapped);
+    names("motor 1 is reversed", motors.factor[0] < 0.0);
+    names("motor 2 is reversed", motors.factor[1] < 0.0);
+    return wrong;
+}
+
 /// A free handle on a machine whose motors and encoders are not connected as its calibration says,
 /// on a virtual clock: a torque written at one tick acts from the next one on.
 class MiswiredMachine : public engine::Device {

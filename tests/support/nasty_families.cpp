@@ -6,19 +6,6 @@ namespace {
 using engine::Vec2;
 using Family = NastyFamily;
 
-NurbsData<2> bezier(std::vector<Vec2> points, std::vector<double> weights = {}) {
-    NurbsData<2> curve;
-    curve.degree = static_cast<int>(points.size()) - 1;
-    curve.knots.assign(points.size(), 0.0);
-    curve.knots.insert(curve.knots.end(), points.size(), 1.0);
-    if (weights.empty()) {
-        weights.assign(points.size(), 1.0);
-    }
-    curve.points = std::move(points);
-    curve.weights = std::move(weights);
-    return curve;
-}
-
 std::vector<double> random_weights(Random& random, std::size_t count, double decades) {
     std::vector<double> weights(count, 1.0);
     for (double& w : weights) {
@@ -56,7 +43,7 @@ NurbsData<2> from_centred(const std::vector<Vec2>& a) {
         }
         points.push_back(b);
     }
-    return bezier(points);
+    return bezier_data(points);
 }
 
 Family random_rational(Random& random) {
@@ -90,7 +77,7 @@ Family leaning_cusp(Random& random) {
 Family near_cusp(Random& random) {
     const double gap = (random.coin() ? 1.0 : -1.0) * random.decade(-14.0, -1.0);
     return {gap > 0.0 ? "hairpin" : "tiny loop",
-            bezier({{-1.0, 1.0}, {1.0 - gap, -0.5}, {-1.0 + gap, -0.5}, {1.0, 1.0}}),
+            bezier_data({{-1.0, 1.0}, {1.0 - gap, -0.5}, {-1.0 + gap, -0.5}, {1.0, 1.0}}),
             {0.5},
             {}};
 }
@@ -99,7 +86,7 @@ Family loop(Random& random) {
     const double reach = random.in(1.5, 4.0);
     const double t = std::sqrt((3.0 * reach - 3.0) / (3.0 * reach + 1.0));  // it crosses itself
     return {"loop",
-            bezier({{-1.0, 0.0}, {reach, 1.0}, {-reach, 1.0}, {1.0, 0.0}}),
+            bezier_data({{-1.0, 0.0}, {reach, 1.0}, {-reach, 1.0}, {1.0, 0.0}}),
             {0.5, 0.5 - 0.5 * t},
             {}};
 }
@@ -136,7 +123,7 @@ Family repeated_points(Random& random) {
         points.back() = points.front();
     }
     return {"repeated control points",
-            bezier(points, random_weights(random, points.size(), random.coin() ? 0.0 : 3.0)),
+            bezier_data(points, random_weights(random, points.size(), random.coin() ? 0.0 : 3.0)),
             {0.0, 1.0},
             {}};
 }
@@ -150,7 +137,7 @@ Family straight(Random& random) {
         points.push_back(random.in(-0.5, 0.5) * along);
     }
     return {"straight line of high degree",
-            bezier(points, random_weights(random, points.size(), random.coin() ? 0.0 : 3.0)),
+            bezier_data(points, random_weights(random, points.size(), random.coin() ? 0.0 : 3.0)),
             {0.0, 1.0},
             {}};
 }
@@ -162,7 +149,7 @@ Family tiny_turn(Random& random) {
     for (int i = 0; i <= degree; ++i) {
         points.push_back({static_cast<double>(i) / degree - 0.5, bend * random.in(-1.0, 1.0)});
     }
-    return {"nearly a line", bezier(points), {}, {}};
+    return {"nearly a line", bezier_data(points), {}, {}};
 }
 
 /// Whole circle of four quadratics: every point is a foot of the centre.
@@ -209,7 +196,7 @@ Family alternating_weights(Random& random) {
         weights.push_back((i % 2 == 0) == random.coin() ? 1e-3 : 1e3);
     }
     return {"weights 1e-3 and 1e3 side by side",
-            bezier(random_points(random, degree + 1), weights),
+            bezier_data(random_points(random, degree + 1), weights),
             {0.0, 1.0},
             {}};
 }
@@ -223,7 +210,7 @@ Family steep_weights(Random& random) {
         weights.push_back(std::pow(10.0, sign * (6.0 * i / degree - 3.0)));
     }
     return {"weights from 1e-3 to 1e3",
-            bezier(random_points(random, degree + 1), weights),
+            bezier_data(random_points(random, degree + 1), weights),
             {0.0, 1.0},
             {}};
 }
@@ -266,7 +253,7 @@ Family collapsed(Random& random) {
     if (random.coin()) {
         points.back() = random.point(-0.5, 0.5);
     }
-    return {"control points all in one or two places", bezier(points), {0.0, 1.0}, {}};
+    return {"control points all in one or two places", bezier_data(points), {0.0, 1.0}, {}};
 }
 
 /// All control points mirrored: the axis is equidistant to two branches.
@@ -282,7 +269,7 @@ Family mirrored(Random& random) {
     if (degree % 2 == 0) {
         points[points.size() / 2].x = 0.0;
     }
-    return {"mirrored branches", bezier(points, weights), {0.5}, {}};
+    return {"mirrored branches", bezier_data(points, weights), {0.5}, {}};
 }
 
 constexpr std::array<Family (*)(Random&), kNastyCurves> kFamilies{random_rational,

@@ -13,6 +13,21 @@ struct NurbsData {
     std::vector<double> weights;
 };
 
+/// A Bezier curve, without weights of its own a polynomial.
+inline NurbsData<2> bezier_data(std::vector<engine::Vec2> points,
+                                std::vector<double> weights = {}) {
+    NurbsData<2> curve;
+    curve.degree = static_cast<int>(points.size()) - 1;
+    curve.knots.assign(points.size(), 0.0);
+    curve.knots.insert(curve.knots.end(), points.size(), 1.0);
+    if (weights.empty()) {
+        weights.assign(points.size(), 1.0);
+    }
+    curve.points = std::move(points);
+    curve.weights = std::move(weights);
+    return curve;
+}
+
 /// N_i,p(u) by the recursion of Cox and de Boor (Piegl & Tiller, eq. 2.5) in long double, 0/0 = 0,
 /// the last span closed. Written from the definition, not from the code under test.
 inline long double basis(const std::vector<double>& t, std::size_t i, int p, long double u) {

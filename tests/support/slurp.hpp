@@ -46,7 +46,15 @@ inline std::vector<std::string> split(const std::string& line, char separator = 
     return fields;
 }
 
-/// Of "01 FF".
+/// "01 FF".
+inline std::string hex_of(std::span<const std::uint8_t> bytes) {
+    std::string text;
+    for (const std::uint8_t byte : bytes) {
+        text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
+    }
+    return text;
+}
+/// And back.
 inline std::vector<std::uint8_t> bytes_of_hex(const std::string& text) {
     std::vector<std::uint8_t> bytes;
     for (const std::string& byte : split(text, ' ')) {

@@ -96,10 +96,6 @@ inline SurfaceData turned_by(SurfaceData d, int quarters) {
     return d;
 }
 
-inline std::shared_ptr<const engine::NurbsSurface> made(const SurfaceData& d) {
-    return std::make_shared<const engine::NurbsSurface>(make_surface(d));
-}
-
 using Pieces = std::vector<std::shared_ptr<const engine::NurbsSurface>>;
 
 /// Four surfaces from one, cut at u and at v, each turned at random.
@@ -120,19 +116,6 @@ inline Pieces made(const std::vector<SurfaceData>& all) {
         pieces.push_back(made(d));
     }
     return pieces;
-}
-
-/// A plane side with four corners, seen from outside counter-clockwise.
-inline SurfaceData side(const engine::Vec3& a,
-                        const engine::Vec3& b,
-                        const engine::Vec3& c,
-                        const engine::Vec3& d) {
-    return {.degree_u = 1,
-            .degree_v = 1,
-            .knots_u = {0, 0, 1, 1},
-            .knots_v = {0, 0, 1, 1},
-            .points = {{a, d}, {b, c}},
-            .weights = {}};
 }
 
 /// Two plane sides that meet in the y axis, each falling (fall > 0: a ridge) or rising (a valley)

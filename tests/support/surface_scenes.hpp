@@ -11,14 +11,10 @@ inline constexpr double kPeriod = 1e-3;
 inline constexpr engine::Friction kFriction{
     .mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 
-inline std::shared_ptr<const engine::NurbsSurface> shared(const SurfaceData& data) {
-    return std::make_shared<const engine::NurbsSurface>(make_surface(data));
-}
-
 inline engine::SurfaceScene scene_of(const SurfaceData& data,
                                      const engine::Friction& friction,
                                      bool skip_far = false) {
-    return {shared(data),
+    return {made(data),
             engine::SurfaceSceneSpec{.contact = {.friction = friction}, .skip_far = skip_far}};
 }
 
@@ -43,10 +39,6 @@ inline engine::Friction some_friction(std::uint64_t seed) {
     Random random(seed + 77U);
     const double mu_d = seed % 7U == 6U ? 0.0 : random.in(0.05, 1.0);
     return {.mu_s = mu_d + random.in(0.0, 0.6), .mu_d = mu_d, .tau_slip = 0.02, .tau_heal = 0.1};
-}
-
-inline double energy(const engine::SurfaceContact& c, const engine::Vec3& h) {
-    return 0.5 * kStiffness * glm::dot(c.go - h, c.go - h);
 }
 
 /// A hand at 1 kHz that wanders over a surface, `depth` above and below it: a smooth path in (u, v)

@@ -128,15 +128,26 @@ inline SurfaceData torus(double big, double small) {
     return revolved(profile, circle.weights, 2, circle.knots);
 }
 
-/// The square |x|, |y| <= half at z = 0, normal +z, as a bilinear patch of one piece.
-inline SurfaceData plane(double half) {
+/// A plane side with four corners, seen from outside counter-clockwise.
+inline SurfaceData side(const engine::Vec3& a,
+                        const engine::Vec3& b,
+                        const engine::Vec3& c,
+                        const engine::Vec3& d) {
     return {.degree_u = 1,
             .degree_v = 1,
             .knots_u = {0, 0, 1, 1},
             .knots_v = {0, 0, 1, 1},
-            .points = {{engine::Vec3{-half, -half, 0}, engine::Vec3{-half, half, 0}},
-                       {engine::Vec3{half, -half, 0}, engine::Vec3{half, half, 0}}},
+            .points = {{a, d}, {b, c}},
             .weights = {}};
+}
+
+/// The square |x|, |y| <= half at z = 0, normal +z.
+inline SurfaceData plane(double half) {
+    return side({-half, -half, 0.0}, {half, -half, 0.0}, {half, half, 0.0}, {-half, half, 0.0});
+}
+
+inline std::shared_ptr<const engine::NurbsSurface> made(const SurfaceData& d) {
+    return std::make_shared<const engine::NurbsSurface>(make_surface(d));
 }
 
 }  // namespace palpate::tests
