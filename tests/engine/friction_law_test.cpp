@@ -9,9 +9,6 @@ using namespace palpate::engine;
 
 namespace {
 
-constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
-constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
-
 std::vector<Vec2> hand(std::uint64_t seed, double period = 1e-3) {
     return random_hand(seed, 4000, {-0.045, 0.0}, {0.045, 0.046}, period);
 }
@@ -79,12 +76,12 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
             const double dh = glm::length(h - last_h);
             const double r = std::max(glm::length(last.go - last_h), glm::length(now.go - h));
             const double pull = std::max(glm::length(last.force), glm::length(now.force)) +
-                                k * r * std::sqrt(1.0 + kFriction.mu_s * kFriction.mu_s);
-            const double bound =
-                k * (3.0 * dh + kSlew.speed * period) +
-                pull * (kSlew.speed * period + 2.0 * dh) / kSlew.radius +
-                (kFriction.mu_s - kFriction.mu_d) * now.normal_force * period / kFriction.tau_slip +
-                0.02;
+                                k * r * std::sqrt(1.0 + kStudyFriction.mu_s * kStudyFriction.mu_s);
+            const double bound = k * (3.0 * dh + kStudySlew.speed * period) +
+                                 pull * (kStudySlew.speed * period + 2.0 * dh) / kStudySlew.radius +
+                                 (kStudyFriction.mu_s - kStudyFriction.mu_d) * now.normal_force *
+                                     period / kStudyFriction.tau_slip +
+                                 0.02;
             violations += glm::length(now.force - last.force) > bound ? 1 : 0;
         }
         started = true;
@@ -100,7 +97,7 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
     SEED(std::uint64_t{40});
     EACH(rate, 1000.0, 4000.0);
     const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
-                      {.period = 1.0 / rate, .friction = kFriction, .slew = kSlew});
+                      {.period = 1.0 / rate, .friction = kStudyFriction, .slew = kStudySlew});
     CHECK(steps_above_bound(scene, hand(seed, 1.0 / rate)) == 0);
 }
 
@@ -108,13 +105,13 @@ TEST_CASE("round a shallow corner the force never steps by more than the bound",
           "[friction][law]") {
     SEED(std::uint64_t{20});
     const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}, {0.1, -0.0404}}),
-                      {.friction = kFriction, .slew = kSlew});
+                      {.friction = kStudyFriction, .slew = kStudySlew});
     CHECK(steps_above_bound(scene, random_hand(seed, 4000, {-0.03, -0.012}, {0.03, 0.002})) == 0);
 }
 
 TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]") {
     const Scene scene(stimuli::make_outline({.curvature = 5.0}),
-                      {.friction = kFriction, .slew = kSlew});
+                      {.friction = kStudyFriction, .slew = kStudySlew});
     ContactState state;
     Vec2 h{-0.025, 0.020};
     static_cast<void>(scene.tick(state, {-0.03, 0.03}));
@@ -137,7 +134,7 @@ TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]"
 
 TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given",
           "[friction][law]") {
-    const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kFriction});
+    const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kStudyFriction});
     ContactState state;
     const double depth = 0.003;
     static_cast<void>(scene.tick(state, {0.0, 0.001}));
@@ -167,8 +164,8 @@ TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time c
 
 TEST_CASE("friction off and friction with mu = 0 are the same renderer", "[friction][law]") {
     const auto outline = stimuli::make_outline({.curvature = 5.0});
-    const Scene none(outline, {.slew = kSlew});
-    const Scene tiny(outline, {.friction = {.mu_s = 1e-300, .mu_d = 0.0}, .slew = kSlew});
+    const Scene none(outline, {.slew = kStudySlew});
+    const Scene tiny(outline, {.friction = {.mu_s = 1e-300, .mu_d = 0.0}, .slew = kStudySlew});
     ContactState a;
     ContactState b;
     for (const Vec2& h : hand(5)) {
@@ -191,8 +188,6 @@ TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D", "[fric
 }
 
 namespace {
-
-constexpr Friction kSliding{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 
 /// Sides of 56.6 mm with a sagitta of 5 mm have this curvature: R = 82.5 mm.
 constexpr double kSagitta5mm = 1.0 / 0.0825;
@@ -240,9 +235,9 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     const Vec2 vertex{0.0, 0.04};
     const auto sides = open_outline(
         {make_arc({-0.04, 0.0}, vertex, curvature), make_arc(vertex, {0.04, 0.0}, curvature)});
-    const Scene scene(sides, {.friction = kSliding});
+    const Scene scene(sides, {.friction = kStudyFriction});
     const double chord = std::hypot(0.04, 0.04);
-    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kSliding.tau_slip;
+    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kStudyFriction.tau_slip;
     REQUIRE(0.8 * chord / speed > turn_round);
     int jammed = 0;
     int sliding = 0;
@@ -315,7 +310,8 @@ Ride over_a_vertex(const char* name,
 /// Forces of a ride at every millisecond.
 std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
     const double period = 1e-3 / per_millisecond;
-    const Scene scene(ride.outline, {.period = period, .friction = kSliding, .slew = ride.slew});
+    const Scene scene(ride.outline,
+                      {.period = period, .friction = kStudyFriction, .slew = ride.slew});
     ContactState state;
     std::vector<Vec2> forces;
     const int ticks = static_cast<int>(ride.seconds * 1000.0) * per_millisecond;
@@ -331,15 +327,14 @@ std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
 }  // namespace
 
 TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too", "[friction][law]") {
-    constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
     constexpr double kDegree = std::numbers::pi / 180.0;
     const std::vector<Ride> rides{
         along_an_arc(),
-        over_a_vertex("convex 22 degrees", 22.0 * kDegree, kSlew,
+        over_a_vertex("convex 22 degrees", 22.0 * kDegree, kStudySlew,
                       {{{0.03, 0.004}, {0.015, 0.0013}, {0.004, 0.0003}}}),
-        over_a_vertex("convex 60 degrees", 60.0 * kDegree, kSlew,
+        over_a_vertex("convex 60 degrees", 60.0 * kDegree, kStudySlew,
                       {{{0.05, 0.005}, {0.01, 0.001}, {0.004, 0.0005}}}),
-        over_a_vertex("concave 41 degrees", -41.0 * kDegree, kSlew,
+        over_a_vertex("concave 41 degrees", -41.0 * kDegree, kStudySlew,
                       {{{0.06, 0.01}, {0.02, 0.0025}, {0.006, 0.001}}}),
     };
     std::ostringstream table;

@@ -13,21 +13,21 @@ struct Naive {
     palpate::tests::GuidedHand plant{machine};
     HaplyBoard board{plant, machine.pantograph, *machine.haply};
 
-    void send(std::span<const std::uint8_t> bytes, int polls = 20) {
-        board.receive(bytes);
-        for (int i = 0; i < polls; ++i) {
+    void poll(int times) {
+        for (int i = 0; i < times; ++i) {
             board.poll();
         }
     }
-    void send(std::initializer_list<int> bytes, int polls = 20) {
-        std::vector<std::uint8_t> packet;
-        for (const int byte : bytes) {
-            packet.push_back(static_cast<std::uint8_t>(byte));
-        }
-        send(packet, polls);
+    void send(const std::vector<std::uint8_t>& bytes) {
+        board.receive(bytes);
+        poll(20);
     }
-    void set_up() { send(setup_packet(haply_setup(*machine.haply, machine.pantograph)).view()); }
-    void torque(double one, double two) { send(torque_packet(5, {one, two})->view()); }
+    void send_packet(const HaplyPacket& packet) {
+        board.receive(packet.view());
+        poll(20);
+    }
+    void set_up() { send_packet(setup_packet(haply_setup(*machine.haply, machine.pantograph))); }
+    void torque(double one, double two) { send_packet(*torque_packet(5, {one, two})); }
     std::vector<std::uint8_t> heard() {
         std::vector<std::uint8_t> bytes(256);
         bytes.resize(board.transmit(bytes));
@@ -50,7 +50,7 @@ TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[h
     const Vec3 given = host.board.torque();
     CHECK(std::fabs(given.y - duty(0.05)) < 1e-9);  // port 1 drives pivot 2
     CHECK(std::fabs(given.x - duty(-0.02)) < 1e-9);
-    host.send({}, 20 * 3600 * 20);
+    host.poll(20 * 3600 * 20);
     CHECK(host.board.torque() == given);
     CHECK(host.plant.torque() == given);
 }
@@ -86,8 +86,7 @@ TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][
 
 TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
     Naive host;
-    host.send(std::vector<std::uint8_t>{2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                                        0, 0});
+    host.send({2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
     CHECK(host.board.journal().id_0 == 1);
     CHECK_FALSE(host.board.torque() == Vec3{});
 }
@@ -158,7 +157,7 @@ TEST_CASE("a counter starts at its offset and counts in the direction it was giv
     HaplySetup setup = haply_setup(*host.machine.haply, host.machine.pantograph);
     setup.offset_deg = {12.0, 168.0};
     setup.encoder_clockwise[1] = true;  // against the wiring
-    host.send(setup_packet(setup).view());
+    host.send_packet(setup_packet(setup));
     const JointAngles before = host.plant.angles();
     host.plant.lead({0.010, 0.030});
     host.torque(0.0, 0.0);

@@ -11,7 +11,6 @@ using namespace palpate::engine;
 namespace {
 
 constexpr Friction kBoth{.mu_s = 0.7, .mu_d = 0.5};
-constexpr Slew kRoughSlew{.speed = 0.2, .radius = 0.003};
 
 Friction friction_of(const LawTraits& law) {
     return law.sticks ? kBoth : Friction{.mu_s = 0.5, .mu_d = 0.5};
@@ -97,7 +96,7 @@ TEST_CASE("on any object a law adds friction along the tangent to the frictionle
             CAPTURE(traits->word, seed);
             Random random(seed);
             const auto outline = stimuli::make_outline({.curvature = random.in(-12.0, 12.0)});
-            const Slew slew = seed % 2 == 0 ? kRoughSlew : Slew{};
+            const Slew slew = seed % 2 == 0 ? kStudySlew : Slew{};
             const Scene bare(outline, {.slew = slew});
             const Scene rough(outline, {.friction = friction_of(*traits),
                                         .slew = slew,
@@ -188,7 +187,7 @@ TEST_CASE("a law's ticks allocate nothing, give the same bits again, and bear an
         CAPTURE(traits->word);
         const Scene scene(outline, {.damping = 0.1,
                                     .friction = friction_of(*traits),
-                                    .slew = kRoughSlew,
+                                    .slew = kStudySlew,
                                     .law = {.traits = traits}});
         std::vector<Vec2> path = rough_hand(3);
         Random random(5);

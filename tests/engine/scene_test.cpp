@@ -2,14 +2,13 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 
 namespace {
 
-constexpr Slew kSceneSlew{.speed = 0.2, .radius = 0.003};
-constexpr Friction kSceneFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 constexpr double kCurvatures[] = {-10.0, -5.0, 0.0, 5.0, 10.0};
 
 Scene scene_of(double curvature, const Friction& friction, const Slew& slew) {
@@ -26,8 +25,8 @@ std::vector<Vec2> scene_hand(std::uint64_t seed) {
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
     SEED(std::uint64_t{8});
     for (const double kappa : kCurvatures) {
-        for (const Friction& friction : {Friction{}, kSceneFriction}) {
-            const Scene scene = scene_of(kappa, friction, kSceneSlew);
+        for (const Friction& friction : {Friction{}, kStudyFriction}) {
+            const Scene scene = scene_of(kappa, friction, kStudySlew);
             const OutlineFeet feet(scene.outline());
             ContactState state;
             bool was_inside = false;
@@ -49,8 +48,8 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
 }
 
 TEST_CASE("a tick allocates nothing", "[scene][law]") {
-    for (const Friction& friction : {Friction{}, kSceneFriction}) {
-        const Scene scene = scene_of(-5.0, friction, kSceneSlew);
+    for (const Friction& friction : {Friction{}, kStudyFriction}) {
+        const Scene scene = scene_of(-5.0, friction, kStudySlew);
         const std::vector<Vec2> path = scene_hand(7);
         ContactState state;
         const std::size_t before = allocations();

@@ -50,6 +50,11 @@ std::string run(Database& database, const data::SessionSpec& spec, const Wrap& w
     return "";
 }
 
+std::string run(Database& database, const data::SessionSpec& spec) {
+    return run(database, spec,
+               [](protocols::Recorder& recorder) -> protocols::Recorder& { return recorder; });
+}
+
 std::string content_of_unbroken(const data::SessionSpec& spec) {
     const TemporaryFolder folder;
     const WatchedDisk unsynced(folder.path());
@@ -90,9 +95,7 @@ TEST_CASE(
     constexpr std::int64_t kPlenty = 1'000'000'000;
     disk.room(kPlenty);
     Database database(folder.file("a.sqlite"), Access::write);
-    CHECK(run(database, spec, [](protocols::Recorder& recorder) -> protocols::Recorder& {
-              return recorder;
-          }).empty());
+    CHECK(run(database, spec).empty());
     CHECK(content(database) == content_of_unbroken(spec));
     CHECK(number(database, "SELECT count(*) FROM trial WHERE outcome = 'interrupted'") == 0);
 }
@@ -132,9 +135,7 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         CHECK(number(database, fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {}",
                                            promised.trial)) >= promised.ticks);
         if (!promised.finished) {
-            CHECK(run(database, spec, [](protocols::Recorder& recorder) -> protocols::Recorder& {
-                      return recorder;
-                  }).empty());
+            CHECK(run(database, spec).empty());
         }
         CHECK(content(database) == whole);
         CHECK(wrong(database) == "");

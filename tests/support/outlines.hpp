@@ -1,9 +1,14 @@
 #pragma once
 
-#include "engine/geometry/outline.hpp"
+#include "engine/rendering/scene.hpp"
 #include "tests/support/std.hpp"
 
 namespace palpate::tests {
+
+/// What an object of the study is felt with.
+inline constexpr engine::Friction kStudyFriction{
+    .mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+inline constexpr engine::Slew kStudySlew{.speed = 0.2, .radius = 0.003};
 
 /// Spans end to end, both ends open.
 inline std::shared_ptr<const engine::Outline> open_outline(
