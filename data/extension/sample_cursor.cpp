@@ -25,19 +25,23 @@ public:
                std::span<const ChunkView> chunks,
                std::shared_ptr<const engine::FeltScene> scene,
                const std::optional<engine::PantographSpec>& machine,
-               Ticks room)
+               Ticks room,
+               ChunkReplay::Keeps keeps)
         : part_(part),
           bytes_(std::move(bytes)),
           scene_(std::move(scene)),
-          replay_(machine, scene_.get(), chunks, true, std::move(room)) {
+          replay_(machine, scene_.get(), chunks, true, std::move(room), keeps),
+          keeps_all_(keeps == ChunkReplay::Keeps::all) {
         for (const ChunkView& chunk : chunks) {
             first_ticks_.push_back(chunk.first_tick);
-            ticks_ += chunk.ticks;
+            ticks_ += keeps_all_ ? chunk.ticks : 0;
         }
     }
 
     [[nodiscard]] std::size_t chunks() const noexcept { return first_ticks_.size(); }
+    /// How many stay; 0: whoever goes over them does so once.
     [[nodiscard]] std::size_t ticks() const noexcept { return ticks_; }
+    [[nodiscard]] bool keeps_all() const noexcept { return keeps_all_; }
     /// Its memory, for another. @pre nobody asks it again
     [[nodiscard]] Ticks take_room() noexcept { return replay_.take(); }
     /// Nobody is to be given this one again: the rows may be mended.
@@ -69,6 +73,7 @@ private:
     std::vector<std::vector<std::byte>> bytes_;  ///< what it is made of
     std::shared_ptr<const engine::FeltScene> scene_;
     ChunkReplay replay_;
+    bool keeps_all_;
     std::vector<std::int64_t> first_ticks_;
     std::size_t ticks_ = 0;
     std::size_t with_closest_ = 0;  ///< the first chunk without closest points
@@ -153,15 +158,22 @@ std::shared_ptr<PartReplay> TickStore::replayed(const TrialPart& part) {
     }
     const auto same =
         std::ranges::find_if(kept_, [&](const auto& one) { return one->is_of(part, bytes); });
-    if (same != kept_.end()) {
+    const bool again = same != kept_.end();
+    const bool stays = again || asked_again_;
+    asked_again_ = again;
+    if (again && (*same)->keeps_all()) {
         std::rotate(same, same + 1, kept_.end());
         return kept_.back();
     }
+    if (again) {  // whoever goes over it goes on
+        kept_.erase(same);
+    }
     Ticks room = make_room();
     const Context context = context_of(part);
-    kept_.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
-                                                 context.session->scene_of(context.trial),
-                                                 context.session->machine(), std::move(room)));
+    kept_.push_back(std::make_shared<PartReplay>(
+        part, std::move(bytes), views, context.session->scene_of(context.trial),
+        context.session->machine(), std::move(room),
+        stays ? ChunkReplay::Keeps::all : ChunkReplay::Keeps::last));
     return kept_.back();
 }
 

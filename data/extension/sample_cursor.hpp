@@ -49,6 +49,7 @@ private:
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions_;
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
     std::vector<std::shared_ptr<PartReplay>> kept_;
+    bool asked_again_ = false;  ///< for the last part: so may the next one be
 };
 
 /// What one scan of `sample` is to give.

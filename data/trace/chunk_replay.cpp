@@ -178,25 +178,32 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                          const engine::SceneView& scene,
                          std::span<const ChunkView> chunks,
                          bool helped,
-                         Ticks room)
-    : in_space_(scene.space != nullptr), contacts_(std::nullopt, scene), ticks_(std::move(room)) {
+                         Ticks room,
+                         Keeps keeps)
+    : in_space_(scene.space != nullptr),
+      contacts_(std::nullopt, scene),
+      ticks_(std::move(room)),
+      alone_(!helped || chunks.size() < 2 || usable_processors() < 2) {
     if (machine) {
         machine_.emplace(*machine);
     }
+    const bool all = keeps == Keeps::all;
+    rooms_ = all ? chunks.size() : alone_ ? 1 : kAhead;
+    // A damaged number takes no room.
+    const auto size_of = [](const ChunkView& chunk) { return std::min(chunk.ticks, kChunkTicks); };
     std::size_t ticks = 0;
     for (const ChunkView& chunk : chunks) {
-        ticks += std::min(chunk.ticks, kChunkTicks);  // a damaged number takes no room
+        ticks += size_of(chunk);
     }
-    ticks_.resize(ticks);
-    std::span rest(ticks_);
-    for (const ChunkView& chunk : chunks) {
-        const std::size_t size = std::min(chunk.ticks, kChunkTicks);
-        chunks_.emplace_back().view = chunk;
-        chunks_.back().ticks = rest.first(size);
-        rest = rest.subspan(size);
+    ticks_.resize(all ? ticks : rooms_ * kChunkTicks);
+    for (std::size_t first = 0; const ChunkView& chunk : chunks) {
+        const std::size_t place = all ? first : chunks_.size() % rooms_ * kChunkTicks;
+        chunks_.push_back(
+            {.view = chunk, .ticks = std::span(ticks_).subspan(place, size_of(chunk))});
+        first += size_of(chunk);
     }
     spare_.reserve(kAhead);
-    if (helped && chunks.size() > 1 && usable_processors() > 1) {
+    if (!alone_) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
         } catch (const std::system_error&) {  // then who asks does it all
@@ -247,6 +254,16 @@ void ChunkReplay::work_ahead() noexcept {
     }
 }
 
+/// The next contacts can be computed, and nobody reads what lies where they belong.
+bool ChunkReplay::may_follow() const noexcept {
+    if (is_following_ || following_ == chunks_.size() || !chunks_[following_].unpacked ||
+        chunks_[following_].damage) {
+        return false;
+    }
+    const std::size_t before = following_ - rooms_;
+    return following_ < rooms_ || (chunks_[before].finished && before < wanted_);
+}
+
 /// Does what is most urgent. @return false if there is nothing to do now
 bool ChunkReplay::work(Lock& lock) noexcept {
     const auto unlocked = [&lock](const auto& task) {
@@ -254,14 +271,15 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         task();
         lock.lock();
     };
-    if (!is_following_ && following_ < chunks_.size() && chunks_[following_].unpacked &&
-        !chunks_[following_].damage) {
+    if (may_follow()) {
         is_following_ = true;
         Chunk& chunk = chunks_[following_];
         unlocked([&] { follow(chunk); });
         spare_.push_back(std::move(chunk.numbers));  // there is room
         is_following_ = false;
         ++following_;
+        chunk.finished = alone_;
+        finishing_ += alone_ ? 1 : 0;
     } else if (finishing_ < following_) {
         Chunk& chunk = chunks_[finishing_++];
         unlocked([&] { finish(chunk); });
@@ -292,10 +310,11 @@ bool ChunkReplay::work(Lock& lock) noexcept {
 
 /// An unpacked chunk's ticks with their contacts, after those of the chunk before: all that cannot
 /// be done side by side. A few ticks at a time: their memory comes while contacts wait for
-/// themselves.
+/// themselves, and if nobody helps they are finished in the same way.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
     constexpr std::size_t kAtOnce = 8;
     const std::size_t at_once = chunk.view.parts == 0 ? kAtOnce : chunk.ticks.size();
+    DerivedHash hash;
     for (std::size_t first = 0; first < chunk.ticks.size(); first += at_once) {
         const auto ticks =
             chunk.ticks.subspan(first, std::min(at_once, chunk.ticks.size() - first));
@@ -312,23 +331,39 @@ void ChunkReplay::follow(Chunk& chunk) noexcept {
             ticks[i].hip = chunk.exact[i].hip;
         }
         contacts_.contacts(ticks);
+        if (alone_) {
+            finish(chunk, first, ticks.size(), hash);
+        }
+    }
+    if (alone_) {
+        is_again(chunk, hash);
     }
 }
 
-/// What follows from a tick's contact or is held in full, and the hash: some ticks at a time, while
-/// they are in the first cache.
 void ChunkReplay::finish(Chunk& chunk) noexcept {
-    constexpr std::size_t kAtOnce = 64;
     DerivedHash hash;
-    for (std::size_t first = 0; first < chunk.ticks.size(); first += kAtOnce) {
-        const auto ticks =
-            chunk.ticks.subspan(first, std::min(kAtOnce, chunk.ticks.size() - first));
+    finish(chunk, 0, chunk.ticks.size(), hash);
+    is_again(chunk, hash);
+}
+
+/// What follows from the contact of `count` ticks or is held in full, and the hash so far: some
+/// ticks at a time, while they are in the first cache.
+void ChunkReplay::finish(Chunk& chunk,
+                         std::size_t first,
+                         std::size_t count,
+                         DerivedHash& hash) noexcept {
+    constexpr std::size_t kAtOnce = 64;
+    for (const std::size_t end = first + count; first < end; first += kAtOnce) {
+        const auto ticks = chunk.ticks.subspan(first, std::min(kAtOnce, end - first));
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             set_exact(ticks[i], chunk.view.parts,
                       chunk.exact.empty() ? ticks[i] : chunk.exact[first + i]);
         }
         hash.add(ticks);
     }
+}
+
+void ChunkReplay::is_again(Chunk& chunk, const DerivedHash& hash) noexcept {
     chunk.as_recorded = hash.value() == chunk.view.derived;
     chunk.exact = {};
 }

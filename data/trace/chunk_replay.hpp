@@ -16,6 +16,7 @@
 #include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/chunk.hpp"
+#include "data/trace/derived_hash.hpp"
 #include "data/trace/retrace.hpp"
 #include "data/trace/ticks.hpp"
 
@@ -33,6 +34,10 @@ namespace palpate::data {
 /// done for chunks more than a few beyond the last one that was asked for. One caller at a time.
 class ChunkReplay {
 public:
+    /// Whose ticks stay: of all chunks, or of the one that was asked for last, where chunks are
+    /// asked for in their order; then a long interval lies in the processor's caches.
+    enum class Keeps : bool { all, last };
+
     /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it; in space it is what
     ///                 its columns say there
     /// @param scene    nothing: contacts are what the chunks hold
@@ -40,11 +45,13 @@ public:
     /// @param helped   by a thread, if there is a second core; not where intervals are replayed
     ///                 side by side
     /// @param room     of an earlier replay: memory that is there already
+    /// @param keeps    last: a chunk before the last one must not be asked for
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                 const engine::SceneView& scene,
                 std::span<const ChunkView> chunks,
                 bool helped = true,
-                Ticks room = {});
+                Ticks room = {},
+                Keeps keeps = Keeps::all);
     ChunkReplay(const ChunkReplay&) = delete;
     ChunkReplay& operator=(const ChunkReplay&) = delete;
     ~ChunkReplay();
@@ -54,14 +61,15 @@ public:
 
     /// What a chunk's ticks are again, each field as it was, without closest points.
     struct Again {
-        std::span<engine::TickRecord> ticks;   ///< good as long as this is
+        std::span<engine::TickRecord> ticks;   ///< good as long as they stay
         bool as_recorded = false;              ///< they give the chunk's hash
         const ChunkReader* columns = nullptr;  ///< as they are stored
     };
     /// @throws TraceError if the chunk or one before it is damaged
     [[nodiscard]] Again chunk(std::size_t i);
 
-    /// All ticks, in order, those of chunks that were asked for as they are again; ends the replay.
+    /// All ticks that stay, in order, those of chunks that were asked for as they are again; ends
+    /// the replay.
     [[nodiscard]] Ticks take() noexcept {
         end();
         return std::move(ticks_);
@@ -73,7 +81,7 @@ private:
         ChunkView view{};
         std::optional<ChunkReader> columns{};   ///< once it is unpacked
         std::unique_ptr<Unpacker> numbers{};    ///< while it is unpacked and has no contacts
-        std::span<engine::TickRecord> ticks{};  ///< its part of ticks_
+        std::span<engine::TickRecord> ticks{};  ///< its part of ticks_, maybe after another one
         std::vector<engine::TickRecord>
             exact{};            ///< that hold what a contact would overwrite, if any is held
         bool has_gaps = false;  ///< in HIP: NaN
@@ -115,8 +123,14 @@ private:
     void end() noexcept;
     bool work(Lock& lock) noexcept;
     void work_ahead() noexcept;
+    [[nodiscard]] bool may_follow() const noexcept;
     void follow(Chunk& chunk) noexcept;
     static void finish(Chunk& chunk) noexcept;
+    static void finish(Chunk& chunk,
+                       std::size_t first,
+                       std::size_t count,
+                       DerivedHash& hash) noexcept;
+    static void is_again(Chunk& chunk, const DerivedHash& hash) noexcept;
 
     std::optional<engine::ManyHips> machine_;
     bool in_space_;
@@ -124,6 +138,8 @@ private:
     engine::Vec2 last_hip_{};  ///< that the machine gave
     Ticks ticks_;
     std::vector<Chunk> chunks_;
+    std::size_t rooms_;  ///< a chunk has the room of the one so many before it
+    bool alone_;         ///< nobody helps
 
     std::mutex mutex_;  ///< of what follows, and of the flags of the chunks
     std::condition_variable changed_;
