@@ -190,7 +190,9 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
     const bool all = keeps == Keeps::all;
     rooms_ = all ? chunks.size() : alone_ ? 1 : kAhead;
     // A damaged number takes no room.
-    const auto size_of = [](const ChunkView& chunk) { return std::min(chunk.ticks, kChunkTicks); };
+    const auto size_of = [](const ChunkView& chunk) {
+        return std::min(chunk.ticks, kChunkTicks);
+    };
     std::size_t ticks = 0;
     for (const ChunkView& chunk : chunks) {
         ticks += size_of(chunk);

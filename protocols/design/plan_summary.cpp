@@ -56,8 +56,7 @@ Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
 
 PlanSummary summarise(const Plan& plan) {
     PlanSummary summary;
-    std::map<std::size_t, std::vector<Condition>> blocks;
-    const Condition* last = nullptr;
+    std::vector<Condition> main;
     for (const PlannedTrial& trial : plan.trials) {
         ++summary.counts[{trial.phase, trial.block}][trial.condition];
         if (trial.break_before) {
@@ -66,19 +65,14 @@ PlanSummary summarise(const Plan& plan) {
         if (trial.phase != Phase::main) {
             continue;
         }
-        blocks[trial.block].push_back(trial.condition);
-        if (last != nullptr) {
-            ++summary.object_steps[last->object][trial.condition.object];
-            ++summary.friction_steps[last->friction][trial.condition.friction];
+        if (!main.empty()) {
+            ++summary.object_steps[main.back().object][trial.condition.object];
+            ++summary.friction_steps[main.back().friction][trial.condition.friction];
         }
-        last = &trial.condition;
+        main.push_back(trial.condition);
     }
-    for (const auto& [block, order] : blocks) {
-        summary.longest_object_run =
-            std::max(summary.longest_object_run, longest_run(order, &Condition::object));
-        summary.longest_friction_run =
-            std::max(summary.longest_friction_run, longest_run(order, &Condition::friction));
-    }
+    summary.longest_object_run = longest_run(main, &Condition::object);
+    summary.longest_friction_run = longest_run(main, &Condition::friction);
     return summary;
 }
 

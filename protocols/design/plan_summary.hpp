@@ -25,15 +25,14 @@ struct PlanPart {
 /// What can be counted in a plan.
 struct PlanSummary {
     std::map<PlanPart, std::map<Condition, std::size_t>> counts;
-    /// Longest runs among the main trials of a block, catch trials left out, as the limits count
-    /// them.
+    /// Longest runs among the main trials, catch trials left out, as the limits count them.
     std::size_t longest_object_run = 0, longest_friction_run = 0;
     /// [from][to]: how often a level follows another among the main trials, catch trials left out.
     std::map<std::size_t, std::map<std::size_t, std::size_t>> object_steps, friction_steps;
     std::vector<std::size_t> breaks;  ///< positions that a break comes before
 };
 
-/// Counts a plan. A run ends with its block; a step goes on from a block into the next.
+/// Counts a plan. Runs and steps go on from a block into the next.
 [[nodiscard]] PlanSummary summarise(const Plan& plan);
 
 /// What a protocol cannot say of a trial: how quick a person is. Guesses, to be named with the

@@ -95,6 +95,19 @@ struct MainTrials {
     OrderWay way = OrderWay::shuffles;
 };
 
+/// The trials so far go on with these within the limits, which each of both keeps in itself.
+bool goes_on(std::span<const Condition> so_far,
+             std::span<const Condition> with,
+             const RunLimits& limits) {
+    std::vector<Condition> whole(so_far.begin(), so_far.end());
+    whole.insert(whole.end(), with.begin(), with.end());
+    Run object(&Condition::object, limits.object);
+    Run friction(&Condition::friction, limits.friction);
+    return std::ranges::adjacent_find(whole, [&](const Condition& last, const Condition& next) {
+               return !object.goes_on(last, next) || !friction.goes_on(last, next);
+           }) == whole.end();
+}
+
 /// @param frictions  the one of each block, where they are not interleaved
 template <class StreamOfBlock>
 MainTrials main_trials(const Protocol& protocol,
@@ -113,17 +126,24 @@ MainTrials main_trials(const Protocol& protocol,
         main.attempts = 1;
         return main;
     }
+    const RunLimits limits = block_limits(design);
+    if (const auto why = why_infeasible(factorial(protocol, design.repetitions), limits)) {
+        throw OrderError("no order keeps the run limits: " + why->reason);
+    }
     // One sampler for every friction, or for all of them together: its tables take time.
     std::vector<OrderSampler> samplers;
     for (std::size_t i = 0; i < (frictions.empty() ? 1 : protocol.frictions.size()); ++i) {
-        samplers.emplace_back(block_trials(protocol, i), block_limits(design));
+        samplers.emplace_back(block_trials(protocol, i), limits);
     }
     for (std::size_t block = 0; block < block_count(protocol); ++block) {
         Pcg32 random = stream_of(block);
         OrderSampler& sampler = samplers[frictions.empty() ? 0 : frictions[block]];
-        const ConstrainedOrder drawn = sampler.draw(random);
+        ConstrainedOrder drawn;
+        do {  // levels come equally often: one in four begins with another object and friction
+            drawn = sampler.draw(random);
+            main.attempts += drawn.attempts;
+        } while (!goes_on(main.order, drawn.order, limits));
         main.order.insert(main.order.end(), drawn.order.begin(), drawn.order.end());
-        main.attempts += drawn.attempts;
         main.way = drawn.way;
     }
     return main;

@@ -168,7 +168,8 @@ private:
 
     void run_limits() {
         const DesignSpec& design = protocol_.design;
-        if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
+        if (const auto why = why_infeasible(protocols::factorial(protocol_, design.repetitions),
+                                            block_limits(design))) {
             const bool of_object = why->factor == Infeasible::Factor::object;
             const std::string key = of_object ? "max_run_object" : "max_run_friction";
             const std::size_t limit = of_object ? design.max_run_object : design.max_run_friction;

@@ -99,15 +99,19 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
         }
     }
     CHECK(main == blocks);
-    CHECK(summary.longest_object_run <= 2);
-    CHECK(summary.longest_friction_run <= 3);
     std::map<std::size_t, Order> orders;
+    Order session;
     for (const PlannedTrial& trial : plan.trials) {
         CHECK(trial.block < blocks);
         if (trial.phase == Phase::main) {
             orders[trial.block].push_back(trial.condition);
+            session.push_back(trial.condition);
         }
     }
+    CHECK(palpate::tests::within_limits(
+        session, {.object = 2, .friction = 3}));  // over the borders of blocks, too
+    CHECK(summary.longest_object_run <= 2);
+    CHECK(summary.longest_friction_run <= 3);
     std::set<Order> different;
     for (const auto& [block, order] : orders) {
         different.insert(order);
