@@ -299,6 +299,10 @@ std::string left_out_text(const LeftOut& account) {
     return text;
 }
 
+std::string below(const std::optional<LeftOut>& account) {
+    return account ? '\n' + left_out_text(*account) : std::string();
+}
+
 Json left_out_json(const LeftOut& account) {
     const auto reasons = [](const std::vector<LeftOut::Reason>& all) {
         Json list = Json::array();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -105,6 +106,8 @@ struct LeftOut {
 
 /// For people, lines of two spaces and more; for programs the same numbers.
 [[nodiscard]] std::string left_out_text(const LeftOut& account);
+/// The same below a sentence that says that nothing is left; empty where there is no account.
+[[nodiscard]] std::string below(const std::optional<LeftOut>& account);
 [[nodiscard]] Json left_out_json(const LeftOut& account);
 [[nodiscard]] Json left_out_json(const std::vector<LeftOut>& accounts);
 

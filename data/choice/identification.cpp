@@ -283,8 +283,9 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
             report.left_out.push_back(report.table.subjects[subject] + ": " + e.what());
         }
     }
-    refuse_if(report.people.empty(), "{}: {}", report.table.source,
-              report.left_out.empty() ? "no answer counts" : report.left_out.front());
+    refuse_if(report.people.empty(), "{}: {}{}", report.table.source,
+              report.left_out.empty() ? "no answer counts" : report.left_out.front(),
+              below(report.table.left_out));
     over_people(report);
     return report;
 }

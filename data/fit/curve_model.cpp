@@ -159,7 +159,7 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
         n_.push_back(nk.first);
         k_.push_back(nk.second);
     }
-    refuse_if(!std::isfinite(gap), "there {} with answers: give two different stimuli or more{}",
+    refuse_if(!std::isfinite(gap), "there {} with answers: it takes two different ones or more{}",
               z_.size() == 1 ? "is one stimulus"
               : z_.empty()   ? "is no stimulus"
                              : "are too few stimuli",

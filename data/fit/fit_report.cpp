@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/refuse.hpp"
 #include "data/fit/shared_rate.hpp"
 
 namespace palpate::data {
@@ -351,9 +350,7 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             report.left_out.push_back({answers.participant, answers.condition, e.what()});
         }
     }
-    refuse_if(report.curves.empty(), "{}: {}", report.source,
-              report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front()));
-    if (options.spec.shared_rate() != 0) {
+    if (options.spec.shared_rate() != 0 && !report.curves.empty()) {
         fit_shared(report);
     }
     for (std::size_t c = 1; c < report.conditions.size(); ++c) {

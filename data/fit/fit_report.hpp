@@ -105,7 +105,7 @@ struct FitReport {
 /// The name, and why.
 [[nodiscard]] std::string text_of(const NotFitted& one);
 
-/// @throws std::invalid_argument with value and remedy if none of the answers can be fitted
+/// Answers that cannot be fitted are in `left_out` with why, and so may all be.
 [[nodiscard]] FitReport fit_all(std::string source,
                                 const std::vector<Answers>& all,
                                 const FitOptions& options);

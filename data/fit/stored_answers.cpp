@@ -140,8 +140,6 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
             stored.all.push_back(std::move(answers));
         }
     }
-    refuse_if(stored.all.empty(), "{}: everybody is left out by the protocol's rules\n{}",
-              database.file(), left_out_text(stored.left_out));
     add_beliefs(database, choice, stored.all);
     if (!choice.codes) {
         number_people(database, stored.all);

@@ -103,8 +103,8 @@ void check_choice(const ExplorationMeans& felt, Database& database, const Answer
     }
     if (felt.frictions.empty() && !felt.left_out.broken.empty()) {
         throw std::invalid_argument(
-            fmt::format("{}: everybody is left out by the protocol's rules\n{}", database.file(),
-                        left_out_text(felt.left_out)));
+            fmt::format("{}: everybody is left out by the protocol's rules{}", database.file(),
+                        below(felt.left_out)));
     }
     if (felt.frictions.size() < 2) {
         throw std::invalid_argument(fmt::format(

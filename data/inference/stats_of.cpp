@@ -158,8 +158,8 @@ StatsReport stats_of(TrialTable table, const StatsOptions& options) {
     report.excluded = excluded_of(all);
     report.applied = part_of(report, [](const Trial& one) { return one.excluded.empty(); });
     refuse_if(report.applied.trials == 0,
-              "{}: all {} trials are excluded: nothing is left to compute", all.source,
-              all.trials.size());
+              "{}: all {} trials are excluded: nothing is left to compute{}", all.source,
+              all.trials.size(), below(all.left_out));
     if (!report.excluded.empty()) {
         report.not_applied = part_of(report, [](const Trial&) { return true; });
     }

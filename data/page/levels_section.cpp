@@ -69,7 +69,9 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
         word_of(fit.options.spec.family), guess_text(fit.options.spec),
         lapse_text(fit.options.spec), fit.options.bootstrap);
     figure.results.push_back(fit_results(numbers));
-    page.figure(figure);
+    if (!fit.curves.empty()) {
+        page.figure(figure);
+    }
     for (const NotFitted& one : fit.left_out) {
         page.paragraph("Not fitted: " + text_of(one));
     }

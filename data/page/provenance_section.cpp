@@ -188,7 +188,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     if (numbers.stats) {
         add_tests(page, numbers.stats->options);
     }
-    if (numbers.fit) {
+    if (numbers.fit && !numbers.fit->curves.empty()) {
         page.paragraph(fmt::format(
             "Psychometric functions were fitted by maximum likelihood from a grid of starts, and "
             "again by a second optimiser; intervals are those of the profile likelihood and of {} "

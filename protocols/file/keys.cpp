@@ -155,11 +155,11 @@ constexpr Key kDesign[]{
     {.name = "catch_trials", .slot = at<&DesignSpec::catch_trials>, .range = {0, 1000},
      .meaning = "trials with objects that are not pictured, among the main ones"},
     {.name = "break_every", .slot = at<&DesignSpec::break_every>, .range = {0, 10000},
-     .meaning = "trials between two breaks; 0: no breaks"},
+     .meaning = "trials between two breaks; 0: none but the one after practice"},
     {.name = "blocks", .slot = at<&DesignSpec::blocks>, .range = {1, 1000},
      .meaning = "of the main trials, each balanced; a divisor of repetitions"},
     {.name = "order", .slot = at<&DesignSpec::order>,
-     .meaning = "random within the run limits, or every condition after every condition once"},
+     .meaning = "random within the run limits, or every condition after every condition once, after a practice trial that leads in"},
     {.name = "friction_blocks", .slot = at<&DesignSpec::friction_blocks>,
      .meaning = "all frictions in each block; or one a block, there and back (abba) or always alike"},
 };

@@ -355,7 +355,7 @@ TEST_CASE("answers that are none are refused with value and remedy", "[fit]") {
         CHECK_THROWS_WITH(CurveModel(levels, spec), Contains(why));
     };
     refused({}, {}, "no stimulus");
-    refused({{1, 10, 2}, {1, 10, 3}}, {}, "two different stimuli");
+    refused({{1, 10, 2}, {1, 10, 3}}, {}, "two different ones");
     refused({{1, 10, 2}, {2, 10, 11}}, {}, "k is 11 of n = 10");
     refused({{NAN, 10, 2}, {2, 10, 1}}, {}, "finite");
     refused({{1e308, 10, 2}, {-1e308, 10, 1}}, {}, "a stimulus is 1e+308");

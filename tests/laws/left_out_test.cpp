@@ -3,6 +3,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
 #include "tests/support/sql_first.hpp"
+#include "tests/support/test_text.hpp"
 
 // Whom and what numbers are without: every command says the same of one file, in words and in JSON.
 
@@ -273,8 +274,13 @@ TEST_CASE("a study whose rules leave out everybody is reported, and names nobody
         ran(run_words(folder.file("p.toml"), who, file, {"--headless"}));
     }
     edit(file, "UPDATE session SET finished = 0");
+    const std::string account = "5 by the rules of [exclusion]; analysed: 0";
+    for (const char* command : {"audit", "stats", "fit"}) {
+        const Finished refused = palpate_command({command, file, "--kind", "simulated"});
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.error, Has(account));
+    }
     const Finished audit = palpate_command({"audit", file, "--kind", "simulated"});
-    CHECK(audit.code == 2);
     CHECK_THAT(audit.error, Has("everybody is left out by the protocol's rules"));
     std::vector<std::string> people;
     const std::string begin = "by rule: ";
@@ -286,8 +292,21 @@ TEST_CASE("a study whose rules leave out everybody is reported, and names nobody
     CHECK(std::ranges::is_sorted(people));
     const std::string page = folder.file("r.html");
     ran({"report", file, "--kind", "simulated", "-o", page, "--simulations", "0"});
-    CHECK_THAT(slurp(page), Has("Everybody is left out by the protocol&#39;s rules",
-                                "5 by the rules of [exclusion]; analysed: 0"));
+    CHECK_THAT(slurp(page), Has("Everybody is left out by the protocol&#39;s rules", account));
+}
+
+TEST_CASE("a study of which no curve can be fitted has its report all the same",
+          "[left-out][fit][report]") {
+    const TemporaryFolder folder;
+    write(folder.file("p.toml"), test_text("one_level.toml"));
+    const std::string file = folder.file("s.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
+    const Finished fit = palpate_command({"fit", file, "--kind", "simulated"});
+    CHECK(fit.code == 2);
+    CHECK_THAT(fit.error, Has("there is one stimulus with answers", "left out: nobody"));
+    ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html")});
+    CHECK_THAT(slurp(folder.file("r.html")), Has("Not fitted: 1, r: there is one stimulus",
+                                                 "Not fitted: 2, r: ", "Adaptive tracks"));
 }
 
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",

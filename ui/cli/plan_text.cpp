@@ -118,7 +118,8 @@ std::string limits_text(const Protocol& protocol,
         text += '\n';
     }
     return text + acceptance_text(protocol) +
-           fmt::format("order: uniform over all within the limits; {}, {} proposed\n",
+           fmt::format("order: {}uniform over all within the limits; {}, {} proposed\n",
+                       block_count(protocol) > 1 ? "each block, after the one before, " : "",
                        to_string(plan.way), plan.attempts);
 }
 

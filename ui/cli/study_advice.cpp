@@ -36,17 +36,18 @@ void advise_on_plan(const protocols::Protocol& protocol,
         all.push_back(fmt::format("a session of {:.0f} minutes tires people: part it into several",
                                   all_of_it / 60.0));
     }
-    const auto has = [&plan](protocols::Phase phase) {
-        return std::ranges::count(plan.trials, phase, &protocols::PlannedTrial::phase) > 0;
+    const auto trials_of = [&plan](protocols::Phase phase) {
+        return std::ranges::count(plan.trials, phase, &protocols::PlannedTrial::phase);
     };
-    if (!has(protocols::Phase::practice)) {
+    const bool random = protocol.design.order == protocols::OrderRule::random;
+    const int leads_in = protocol.procedure || random ? 0 : 1;
+    if (trials_of(protocols::Phase::practice) == leads_in) {
         all.push_back(fmt::format(
             "there is no practice: the first answers that count are given by people who learn; "
             "give {}",
             protocol.procedure ? "[procedure] practice_trials" : "[design] practice_repetitions"));
     }
-    if (!protocol.procedure && protocol.design.order == protocols::OrderRule::random &&
-        !has(protocols::Phase::catch_trial)) {
+    if (!protocol.procedure && random && trials_of(protocols::Phase::catch_trial) == 0) {
         all.push_back(
             "there are no catch trials, so who only guesses is not distinguished from who cannot "
             "feel it; give [design] catch_trials");

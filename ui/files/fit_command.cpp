@@ -278,14 +278,19 @@ int run(const FitWords& words) {
               words.file);
     data::FitOptions options = options_of(words, database);
     const data::StoredAnswers answers = answers_of(words, options.spec.family, csv);
+    const auto account =
+        database ? std::optional(answers.left_out) : std::optional<data::LeftOut>();
+    refuse_if(database && answers.all.empty(),
+              "{}: everybody is left out by the protocol's rules{}", words.file, below(account));
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
     data::FitReport report =
         data::fit_all(source_of(words, database, answers.study), answers.all, options);
+    refuse_if(report.curves.empty(), "{}: {}{}", report.source,
+              report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front()),
+              below(account));
     report.versions = answers.versions;
-    if (database) {
-        report.file_left_out = answers.left_out;
-    }
+    report.file_left_out = account;
     if (!words.svg.empty()) {
         write_whole(words.svg, data::svg(data::fit_figure(report)),
                     words.keep_codes ? Rights::own : Rights::usual);
