@@ -15,6 +15,7 @@ namespace {
 
 using protocols::Estimate;
 using protocols::Protocol;
+using protocols::ResponseKind;
 
 constexpr const char* kVerify = "unknown; palpate verify says more";
 
@@ -103,19 +104,19 @@ void add_estimate(RuleRuns& found, const Run& run, const Estimate& one) {
 }
 
 /// How often each stimulus of a rule that estimates nothing was answered with 1.
-void add_shares(RuleRuns& found, Database& database, const Run& run) {
+void add_shares(RuleRuns& found, Database& database, const Run& run, ResponseKind kind) {
+    if (kind != ResponseKind::two_interval && kind != ResponseKind::yes_no) {
+        add_row(found.shares, run,
+                {Nothing{"more than two answers: SELECT stimulus, rule_outcome FROM "
+                         "analysis_trial WHERE run_trial_number IS NOT NULL"},
+                 Nothing{}, Nothing{}, Nothing{}, Nothing{}});
+        return;
+    }
     Statement row = database.prepare(
-        "SELECT stimulus, sum(rule_outcome), count(*), max(rule_outcome) FROM analysis_trial WHERE "
+        "SELECT stimulus, sum(rule_outcome), count(*) FROM analysis_trial WHERE "
         "session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus",
         run.session, run.run);
     while (row.step()) {
-        if (row.integer(3) > 1) {
-            add_row(found.shares, run,
-                    {Nothing{"more than two answers: SELECT stimulus, rule_outcome FROM "
-                             "analysis_trial WHERE run_trial_number IS NOT NULL"},
-                     Nothing{}, Nothing{}, Nothing{}, Nothing{}});
-            return;
-        }
         const std::int64_t k = row.integer(1);
         const std::int64_t n = row.integer(2);
         add_row(found.shares, run,
@@ -149,7 +150,7 @@ void add_run(RuleRuns& found, Database& database, const Run& run, const Protocol
         const protocols::Procedure& procedure = runs.of(static_cast<std::size_t>(run.run));
         std::vector<Estimate> all = procedure.estimates();
         if (all.empty()) {
-            add_shares(found, database, run);
+            add_shares(found, database, run, protocol.response.kind);
             return;
         }
         const std::optional<Estimate> jnd = procedure.jnd();

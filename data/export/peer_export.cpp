@@ -25,7 +25,7 @@ struct GradedCount {
 void each_count(Database& database, const std::function<void(const GradedCount&)>& take) {
     Statement row = database.prepare(fmt::format(
         "SELECT chosen.subject, chosen.label, session_kind, condition, stimulus, count(*), sum(k) "
-        "FROM ({}) JOIN chosen USING (session_id) GROUP BY 1, 2, 3, 4, 5 HAVING max(k) <= 1 ORDER "
+        "FROM ({}) JOIN chosen USING (session_id) GROUP BY 1, 2, 3, 4, 5 ORDER "
         "BY 1, 2, 3, 4, 5",
         kGradedAnswers));
     bool any = false;

@@ -110,7 +110,7 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     Statement row = database.prepare(
         fmt::format(
             "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
-            "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, 3, 4",
+            "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 ORDER BY 1, 2, 3, 4",
             kGradedAnswers),
         choice.kind);
     while (row.step()) {
@@ -128,7 +128,7 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     }
     choice.study = one_study(database, choice, studies, "to fit",
                              "else give a file of two intervals, of yes-no with a graded stimulus, "
-                             "or of identifications");
+                             "or of identifications without a rule");
     StoredAnswers stored{
         .study = choice.study,
         .conditions = conditions_of(database, choice),

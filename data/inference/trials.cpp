@@ -312,8 +312,9 @@ TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
         before = row.text(1);
         all.push_back(trial_of(row, choice.codes, number));
     }
-    choice.study = one_study(database, choice, studies, "of identification or yes-no",
-                             "palpate fit is for runs of a rule, palpate summary for ratings");
+    choice.study =
+        one_study(database, choice, studies, "of identification or yes-no without a rule",
+                  "palpate fit is for runs of a rule, palpate summary for ratings");
     LeftOut account = left_out_of(database, choice.study, choice.kind, choice.codes);
     const auto whys = whys_of(account);
     for (NamedTrial& one : all) {

@@ -93,12 +93,13 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
     }
 }
 
-void add_tracks(PageWriter& page, const Study& study, const FitReport& fit) {
+/// @param conditions  of the fit, whose colours the runs have
+void add_tracks(PageWriter& page, const Study& study, const std::vector<std::string>& conditions) {
     PageFigure figure{
         .id = "tracks", .title = "Adaptive tracks", .data = study.ask(page_query("tracks"))};
     std::vector<std::string> runs = figure.data.levels("run_name");
     std::ranges::sort(runs, {}, [&](const std::string& run) {  // in the fit's colours
-        return std::pair(std::ranges::find(fit.conditions, run), run);
+        return std::pair(std::ranges::find(conditions, run), run);
     });
     const std::vector<std::string> people = figure.data.levels("person");
     bool estimates = false;
@@ -135,19 +136,23 @@ void add_tracks(PageWriter& page, const Study& study, const FitReport& fit) {
     figure.caption = estimates ? "Levels that each run's rule chose; broken: what the rule "
                                  "believed after each answer."
                                : "Levels that each run's rule chose.";
-    page.figure(figure);
+    if (!figure.panels.empty()) {
+        page.figure(figure);
+    }
 }
 
 }  // namespace
 
 void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    if (!numbers.fit) {
+    if (!numbers.fit && !study.protocol.procedure) {
         return;
     }
     page.section("levels", "Psychometric functions and tracks");
-    add_curves(page, study, numbers);
+    if (numbers.fit) {
+        add_curves(page, study, numbers);
+    }
     if (study.protocol.procedure) {
-        add_tracks(page, study, *numbers.fit);
+        add_tracks(page, study, numbers.fit ? numbers.fit->conditions : std::vector<std::string>());
     }
 }
 

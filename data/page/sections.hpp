@@ -15,9 +15,10 @@ namespace palpate::data {
 
 /// What palpate stats, fit and audit say of the same sessions.
 struct PageNumbers {
-    std::optional<StatsReport> stats{};  ///< nothing: no answer of identification or yes-no
-    std::optional<FitReport> fit{};      ///< nothing: no graded stimulus
-    std::optional<Audit> audit{};        ///< nothing: fewer than two frictions
+    std::optional<StatsReport>
+        stats{};  ///< nothing: no answer of identification or yes-no without a rule
+    std::optional<FitReport> fit{};  ///< nothing: no graded stimulus
+    std::optional<Audit> audit{};    ///< nothing: fewer than two frictions
     AuditBounds bounds{};
     std::string stats_words{};  ///< the command that prints the same numbers
     std::string fit_words{};

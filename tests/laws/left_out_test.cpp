@@ -309,6 +309,28 @@ TEST_CASE("a study of which no curve can be fitted has its report all the same",
                                                  "Not fitted: 2, r: ", "Adaptive tracks"));
 }
 
+TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered",
+          "[fit][report][law]") {
+    const TemporaryFolder folder;
+    write(
+        folder.file("p.toml"),
+        edited(test_text("one_level.toml"),
+               {{"kind = \"two_interval\"", "kind = \"rating\"\nquestion = \"Round?\"\nlevels = 3"},
+                {"stimuli = [7]", "stimuli = [0, 3, 7]\noutcomes = 3"}}));
+    const std::string file = folder.file("s.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
+    edit(file, "UPDATE adaptive_step SET rule_outcome = rule_outcome > 0");  // nobody gave the last
+    const Finished fit = palpate_command({"fit", file, "--kind", "simulated"});
+    CHECK(fit.code == 2);
+    CHECK_THAT(fit.error, Has("has no answer to fit"));
+    CHECK(palpate_command({"export", file, "--kind", "simulated", "--format", "quickpsy", "-o",
+                           folder.file("q")})
+              .code == 2);
+    CHECK_THAT(ran({"summary", file}).out, Has("more than two answers"));
+    ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html")});
+    CHECK_THAT(slurp(folder.file("r.html")), Has("Adaptive tracks") && !Has("share of yes"));
+}
+
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
           "[left-out][sql][law]") {
     const TemporaryFolder folder;
