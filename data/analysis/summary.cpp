@@ -37,7 +37,7 @@ std::string title(const Group& group) {
     return text + "\n";
 }
 
-/// Everything felt or chosen in main trials, and everything that will be: from concave to convex.
+/// Everything felt in main trials, and everything that will be: from concave to convex.
 std::vector<std::string> objects(Database& database, const Group& group) {
     return texts(database.prepare(
         "SELECT planned_object FROM plan JOIN session USING (session_id) JOIN study USING "
@@ -68,31 +68,35 @@ Confusion confusion_of(Database& database, const Group& group) {
     return counts;
 }
 
-bool chooses_pictures(Database& database, const Group& group) {
-    return database
-        .prepare(
-            "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) "
-            "WHERE study_name = ?1 AND session_kind = ?2",
-            group.study, group.kind)
-        .step();
+/// Empty where the answers are no pictures.
+std::vector<std::string> pictures(Database& database, const Group& group) {
+    return texts(database.prepare(
+        "SELECT DISTINCT picture_object FROM picture JOIN session USING (session_id) JOIN study "
+        "USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 ORDER BY 1",
+        group.study, group.kind));
 }
 
 /// Nothing where the answers are no pictures.
 std::string confusion_text(Database& database, const Group& group) {
-    if (!chooses_pictures(database, group)) {
+    const std::vector<std::string> shown = pictures(database, group);
+    if (shown.empty()) {
         return {};
     }
     const std::vector<std::string> names = objects(database, group);
+    std::vector<std::string> answers = names;
+    std::ranges::copy_if(shown, std::back_inserter(answers), [&](const std::string& picture) {
+        return std::ranges::find(names, picture) == names.end();
+    });
     Confusion counts = confusion_of(database, group);
-    const std::size_t width = width_of(names, 4);
+    const std::size_t width = width_of(answers, 4);
     std::string text = fmt::format("\n  {:<{}}   chosen\n  {:<{}}", "", width, "felt", width);
-    for (const std::string& name : names) {
+    for (const std::string& name : answers) {
         text += fmt::format("  {:>{}}", name, width);
     }
     text += '\n';
     for (const std::string& felt : names) {
         text += fmt::format("  {:<{}}", felt, width);
-        for (const std::string& chosen : names) {
+        for (const std::string& chosen : answers) {
             const std::int64_t n = counts[{felt, chosen}];
             text += fmt::format("  {:>{}}", n == 0 ? std::string(".") : std::to_string(n), width);
         }
@@ -259,8 +263,7 @@ std::string summary_json(Database& database) {
                     {"confusion", Json::array()},
                     {"applied", Json::array()},
                     {"not_applied", Json::array()}};
-        for (const auto& [pair, n] :
-             chooses_pictures(database, group) ? confusion_of(database, group) : Confusion()) {
+        for (const auto& [pair, n] : confusion_of(database, group)) {
             one["confusion"].push_back({{"felt", pair.first}, {"chosen", pair.second}, {"n", n}});
         }
         for (const Table& table :
