@@ -296,12 +296,14 @@ std::optional<SessionState> state_of(Statement& row) {
     if (!row.step()) {
         return std::nullopt;
     }
-    return SessionState{static_cast<std::size_t>(row.integer(0)),
-                        std::stoull(row.text(1)),
-                        row.text(2),
-                        row.integer(4) != 0,
-                        row.text(3),
-                        row.text(5)};
+    return SessionState{
+        .number = static_cast<std::size_t>(row.integer(0)),
+        .seed = std::stoull(row.text(1)),
+        .over = row.text(2),
+        .begun = row.integer(4) != 0,
+        .kind = row.text(5),
+        .run_as = {row.text(6), static_cast<std::size_t>(row.integer(7)), row.text(3)},
+        .plan_hash = row.text(8)};
 }
 
 /// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
@@ -310,7 +312,8 @@ constexpr const char* kStates =
     "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' WHEN "
     "finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another code' ELSE "
     "'' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
-    "session_kind FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
+    "session_kind, coalesce(run_code, participant_code), coalesce(run_number, session_number), "
+    "plan_sha256 FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
     "WHERE study_name = ?1 AND participant_code = ?2";
 
 }  // namespace

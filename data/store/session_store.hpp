@@ -69,9 +69,10 @@ struct SessionState {
     std::uint64_t seed = 0;
     /// "is finished", "was withdrawn", "was run under another code"; empty: it goes on
     std::string over{};
-    bool begun = false;    ///< it has a trial
-    std::string secret{};  ///< with which its orders were drawn
-    std::string kind{};    ///< as to_string(RunKind)
+    bool begun = false;              ///< it has a trial
+    std::string kind{};              ///< as to_string(RunKind)
+    protocols::SessionKey run_as{};  ///< with which its orders were drawn
+    std::string plan_hash{};
 };
 
 /// The participant's last session of a protocol (by the protocol's id), if there is one.

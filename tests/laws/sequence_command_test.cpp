@@ -104,6 +104,19 @@ TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[
         database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
     }
     CHECK_THAT(ran(words_of_run("P1", file), 1).error, Has("begun with another plan"));
+    CHECK_THAT(
+        ran({"sequence", "shape_friction_demo", "--participant", "P1", "--db", file}, 2).error,
+        Has("begun with another version", "table plan"));
+}
+
+TEST_CASE("the plan of a session that was run under another code is printed as it was run",
+          "[sequence][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    ran(words_of_run("P1", file));
+    ran({"participant", file, "P5", "--new"});
+    ran({"participant", file, "P1", "--is-really", "P5", "--reason", "mistyped"});
+    check_against(file, 1, {"shape_friction_demo", "--participant", "P5", "--db", file});
 }
 
 TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") {

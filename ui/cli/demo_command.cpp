@@ -76,7 +76,7 @@ void follow_last(data::Database& database, const DemoOptions& options, RigSpec& 
         spec.key.session = last->over.empty() ? last->number : last->number + 1;
     }
     const bool goes_on = last && last->over.empty();
-    spec.key.secret = goes_on ? last->secret : std::string(data::kDemoSecret);
+    spec.key.secret = goes_on ? last->run_as.secret : std::string(data::kDemoSecret);
     spec.seed = options.seed.value_or(goes_on ? last->seed : spec.study.protocol.seed);
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/counterbalance.hpp"
@@ -67,16 +68,20 @@ Sequence make_sequence(const SequenceOptions& options) {
     }
     const SessionChoice choice =
         choose_session(database, made.study, options.participant, options.session, options.seed);
-    made.key = choice.key;
+    made.key = choice.run_as;
     made.seed = choice.seed;
     const auto seen =
-        data::picture_orders(database, made.study.protocol.id, made.key, options.kind);
+        data::picture_orders(database, made.study.protocol.id, choice.key, options.kind);
     made.history = picture_history(made.study.protocol, seen.others, seen.own);
     const auto blocks =
-        data::friction_orders(database, made.study.protocol.id, made.key, options.kind);
+        data::friction_orders(database, made.study.protocol.id, choice.key, options.kind);
     made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
     made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
                           made.frictions);
+    refuse_if(choice.begun && made.plan.hash != choice.plan_hash,
+              "{}: session {} of {} was begun with another version of {}, or another seed: give "
+              "those; the plan that it has is in the table plan",
+              options.database, choice.key.session, choice.key.participant, made.study.protocol.id);
     return made;
 }
 
@@ -198,7 +203,7 @@ void print_text(const Sequence& sequence) {
     if (sequence.key.secret.empty()) {
         say("An example: each file draws its own orders, and --db FILE shows them.\n");
     }
-    say("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
+    say("{}: drawn for participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
         sequence.key.participant, sequence.key.session, sequence.seed,
         counted(sequence.plan.trials.size(), "trial"), session_code(sequence.plan));
     say("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);

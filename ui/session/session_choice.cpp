@@ -53,12 +53,14 @@ SessionChoice choose_session(data::Database& database,
     SessionChoice choice;
     choice.key = {participant, session.value_or(last ? last->number : 1)};
     const auto there = data::find_session(database, study.protocol.id, choice.key);
-    choice.key.secret = there ? there->secret : data::own_secret(database);
+    choice.key.secret = there ? there->run_as.secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
     choice.over = there ? there->over : std::string();
     choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
     choice.kind = choice.begun ? there->kind : std::string();
+    choice.run_as = choice.begun ? there->run_as : choice.key;
+    choice.plan_hash = choice.begun ? there->plan_hash : std::string();
     return choice;
 }
 
