@@ -252,6 +252,7 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
         std::string all;
         for (const std::string& sentence : ui::advice_on(protocol, plan, ui::find_font(""))) {
             const bool ours = sentence.find("instructions.") != std::string::npos ||
+                              sentence.find("font lacks") != std::string::npos ||
                               sentence.find("full scale") != std::string::npos;
             all += ours ? sentence + "\n" : "";
         }
@@ -268,6 +269,12 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
                                        std::pair{"חושו", "\"ח\": what runs from right to left"}}) {
         protocol.instructions[1].choose = text;
         CHECK_THAT(others(), Has("[instructions.tr] choose has ", reason));
+    }
+    for (std::string* words : {&protocol.title, &protocol.response.question, &protocol.response.low,
+                               &protocol.response.high}) {
+        const std::string before = std::exchange(*words, "形");
+        CHECK_THAT(others(), Has("has \"形\": the font lacks it"));
+        *words = before;
     }
     protocol.instructions[1].choose = "Ποιο; Który? ¿Cuál? Ğüzel — “…”\n№ 5";
     CHECK(others().empty());

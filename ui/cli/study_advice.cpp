@@ -122,21 +122,27 @@ void advise_on_language(const protocols::Protocol& protocol, std::vector<std::st
     }
 }
 
-/// Instructions that the screen shows otherwise than they were written.
+/// Words that the screen shows otherwise than they were written.
 void advise_on_letters(const protocols::Protocol& protocol,
                        const std::string& font,
                        std::vector<std::string>& all) {
-    InstructionTexts texts = protocol.instructions.at(static_cast<std::size_t>(protocol.language));
-    for (const auto& key : protocols::keys_of<InstructionTexts>()) {
-        const auto [character, from_right] =
-            unshown(*std::get<std::string*>(key.slot(&texts)), font);
+    const auto look = [&](const std::string& where, const std::string& text) {
+        const auto [character, from_right] = unshown(text, font);
         if (!character.empty()) {
-            all.push_back(fmt::format("[instructions.{}] {} has \"{}\": {}",
-                                      protocols::word_of(protocol.language), key.name, character,
+            all.push_back(fmt::format("{} has \"{}\": {}", where, character,
                                       from_right
                                           ? "what runs from right to left is not drawn so"
                                           : "the font lacks it, give --font one that has it"));
         }
+    };
+    look("[study] title", protocol.title);
+    look("[response] question", protocol.response.question);
+    look("[response] low", protocol.response.low);
+    look("[response] high", protocol.response.high);
+    InstructionTexts texts = protocol.instructions.at(static_cast<std::size_t>(protocol.language));
+    for (const auto& key : protocols::keys_of<InstructionTexts>()) {
+        look(fmt::format("[instructions.{}] {}", protocols::word_of(protocol.language), key.name),
+             *std::get<std::string*>(key.slot(&texts)));
     }
 }
 
