@@ -47,7 +47,7 @@ constexpr Key kLearning[]{
 
 constexpr Key kReaction[]{
     {.name = "median_s", .slot = at<&ReactionSpec::median>, .range = {0.05, 60},
-     .meaning = "median of the reaction time where the answer is clear; none is below 0.25 s"},
+     .meaning = "median of the reaction time where the answer is clear; none is below 0.25 s, or guard_s"},
     {.name = "sd_ln", .slot = at<&ReactionSpec::spread>, .range = {0, 3},
      .meaning = "standard deviation of its logarithm from trial to trial: lognormal"},
     {.name = "doubt_factor", .slot = at<&ReactionSpec::doubt>, .range = {1, 100},

@@ -107,6 +107,12 @@ private:
                "explore_min_s is {} and explore_timeout_s is {}: nobody could answer; give a "
                "time-out above the minimum",
                timing.explore_min, timing.explore_timeout);
+        add_if(
+            timing.answer_timeout > 0.0 && timing.guard >= timing.answer_timeout,
+            "timing.answer_timeout_s",
+            "guard_s is {} and answer_timeout_s is {}: nobody could answer; give a time-out above "
+            "guard_s, or 0 for none",
+            timing.guard, timing.answer_timeout);
         add_if(timing.explore_prompt > timing.explore_timeout,
                places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
                                                       : "timing.explore_timeout_s",

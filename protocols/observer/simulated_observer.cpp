@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/psychometric/exact_math.hpp"
@@ -17,6 +19,7 @@ constexpr double kLog10OfE = 0.43429448190325182;
 
 /// s; nobody is faster.
 constexpr double kQuickest = 0.25;
+constexpr const char* kPurpose = "observer";
 
 SimulatedObserver::SimulatedObserver(const Protocol& protocol,
                                      StreamKey key,
@@ -38,9 +41,9 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
       key_(std::move(key)),
       asked_(protocol.procedure ? protocol.procedure->varies : Varies::curvature),
       criterion_(asked_ == Varies::mu ? kFrictionSeen : 0.0),
+      quickest_(std::max(kQuickest, protocol.timing.guard)),
       hand_is_done_(std::move(hand_is_done)),
       cues_{CurvatureCues(protocol.outline)} {
-    key_.purpose = "observer";
     for (const std::size_t object : picture_order) {
         curvatures_.push_back(protocol.objects.at(object).curvature);
     }
@@ -114,6 +117,8 @@ void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
 Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
     done_ = trial.done;
     key_.block = trial.done + 1;
+    key_.purpose =
+        trial.unanswered == 0 ? kPurpose : fmt::format("{} {}", kPurpose, trial.unanswered);
     Pcg32 random = stream(key_);
     const bool lapse = uniform_draw(random) < person_.spec.lapse;
     const double noise = normal_draw(random);
@@ -131,9 +136,16 @@ Choice SimulatedObserver::choose(const TrialView& trial, const Question& questio
     choice.reaction_s = doubted(choice.reaction_s, !named);
     if (question.confidence) {
         choice.confidence = named ? confidence() : 1;
-        choice.confidence_reaction_s = std::max(kQuickest, reaction_time(random));
+        choice.confidence_reaction_s = std::max(quickest_, reaction_time(random));
     }
-    time_s_ += std::exchange(explored_s_, 0.0) + choice.reaction_s + choice.confidence_reaction_s;
+    const bool late =
+        question.timeout_s > 0.0 &&
+        std::max(choice.reaction_s, choice.confidence_reaction_s) >= question.timeout_s;
+    time_s_ += std::exchange(explored_s_, 0.0) +
+               (late ? question.timeout_s : choice.reaction_s + choice.confidence_reaction_s);
+    if (late) {
+        return {.signal = Signal::too_late};
+    }
     if (question.confirm) {  // at once: it never changes its mind
         const auto at_once = [](double s) {
             return Confirmation{.first_choice_s = s, .confirmed_s = s};
@@ -201,7 +213,7 @@ double SimulatedObserver::doubted(double reaction_s, bool guess) const noexcept 
                                         : std::numeric_limits<double>::infinity();
         reaction_s *= 1.0 + (own->doubt - 1.0) * exponential(-far);
     }
-    return std::max(kQuickest, reaction_s);
+    return std::max(quickest_, reaction_s);
 }
 
 Signal SimulatedObserver::gap(double seconds) {

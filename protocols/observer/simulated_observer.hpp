@@ -99,6 +99,7 @@ private:
     double criterion_;                ///< yes is said above it
     double lowest_ = 0.0;             ///< percept of a rating's first level ...
     double highest_ = 0.0;            ///< ... and of its last
+    double quickest_;                 ///< no answer comes earlier, s
     std::function<bool()> hand_is_done_;
     std::vector<CurvatureCues> cues_;     ///< of the intervals felt so far
     std::vector<SoftnessCues> soft_;      ///< the same; if the question is about softness

@@ -117,6 +117,7 @@ void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
         return;
     }
     order_.erase(found);
+    unanswered_ += outcome == Outcome::unanswered ? 1 : 0;
     if (!(answered && counts)) {
         set_back(position);
     }

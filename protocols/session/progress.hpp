@@ -117,6 +117,8 @@ public:
     }
     /// How many are done: the place in the session, whatever was set back.
     [[nodiscard]] std::size_t answered() const noexcept { return part_.size() - order_.size(); }
+    /// How many attempts nobody answered.
+    [[nodiscard]] std::size_t unanswered() const noexcept { return unanswered_; }
     /// How many practice trials, or other ones, are left.
     [[nodiscard]] std::size_t left(bool practice) const noexcept;
     /// Of the trial to run now; that of the last one when nothing is left.
@@ -145,6 +147,7 @@ private:
     std::vector<std::size_t> order_;
     std::vector<std::size_t> part_;       ///< by position: 0 practice, 1 + block otherwise
     std::map<std::size_t, Again> again_;  ///< by position
+    std::size_t unanswered_ = 0;
 };
 
 /// The participant has chosen a picture.

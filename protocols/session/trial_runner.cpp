@@ -63,11 +63,13 @@ TrialRunner::TrialRunner(const Protocol& protocol,
       pictures_(make_pictures(protocol, plan.picture_order)),
       question_(question_of(protocol, pictures_)) {}
 
-TrialView TrialRunner::view_of(const TrialNumber& number, std::size_t done) const {
+TrialView TrialRunner::view_of(const PendingTrials& pending) const {
+    const TrialNumber number = pending.number();
     return {.number = number.number,
             .total = number.total,
             .practice = number.practice,
-            .done = done,
+            .done = pending.answered(),
+            .unanswered = pending.unanswered(),
             .explore_min_s = protocol_.timing.explore_min,
             .explore_prompt_s = protocol_.timing.explore_prompt,
             .explore_timeout_s = protocol_.timing.explore_timeout};

@@ -33,8 +33,8 @@ public:
     /// The attempt that was recorded last; 0: none yet.
     [[nodiscard]] TrialId last() const noexcept { return last_; }
 
-    /// @param done  trials of the whole session
-    [[nodiscard]] TrialView view_of(const TrialNumber& number, std::size_t done) const;
+    /// Of the trial to run now.
+    [[nodiscard]] TrialView view_of(const PendingTrials& pending) const;
 
 private:
     [[nodiscard]] Signal begin(const TrialView& view);

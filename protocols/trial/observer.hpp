@@ -38,6 +38,7 @@ struct TrialView {
     std::size_t total = 0;  ///< of the same
     bool practice = false;
     std::size_t done = 0;  ///< trials of the whole session: names the draws of a simulated observer
+    std::size_t unanswered = 0;  ///< attempts at which nobody answered: the same
     double explore_min_s = 0.0;
     double explore_prompt_s = 0.0;
     double explore_timeout_s = 0.0;

@@ -120,6 +120,27 @@ TEST_CASE("an answer depends on the key and the trial's number, not on what came
     CHECK(differs == 11);
 }
 
+TEST_CASE("nobody answers before the guard time, nor after the time-out", "[observer][law]") {
+    Protocol protocol = observed_study(2.62, 0.02);
+    protocol.timing.guard = 1.0;
+    SimulatedObserver who = observer(protocol);
+    Question question = which_of(kPictures);
+    question.timeout_s = 1.5;
+    question.confidence = GENERATE(false, true);
+    int late = 0;
+    for (std::size_t i = 0; i < 400; ++i) {
+        const Choice choice = who.choose(trial(i), question);
+        if (choice.signal == Signal::too_late) {
+            ++late;
+            continue;
+        }
+        CHECK((choice.reaction_s >= 1.0 && choice.reaction_s < 1.5));
+        CHECK(choice.confidence.has_value() == question.confidence);
+        CHECK((!question.confidence || choice.confidence_reaction_s < 1.5));
+    }
+    CHECK((late > 40 && late < 360));
+}
+
 TEST_CASE("the observer is done when its hand is, not before the minimum", "[observer]") {
     bool hand_is_done = false;
     const Protocol protocol = observed_study(0.0, 0.0);

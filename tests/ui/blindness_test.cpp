@@ -301,8 +301,8 @@ TEST_CASE("nothing of the condition is among what the ready and answer screens a
            !selected && !watched));
     const auto [sure, may_change] = ui::ConfidenceFace{};
     CHECK((!sure && !may_change));
-    const auto [shown, of, practising, done, least_s, prompt_s, timeout_s, nth, in_all] =
+    const auto [shown, of, practising, done, missed, least_s, prompt_s, timeout_s, nth, in_all] =
         TrialView{};
-    CHECK((shown == 0 && of == 0 && !practising && done == 0 && least_s == 0.0 && prompt_s == 0.0 &&
-           timeout_s == 0.0 && nth == 1 && in_all == 1));
+    CHECK((shown == 0 && of == 0 && !practising && done == 0 && missed == 0 && least_s == 0.0 &&
+           prompt_s == 0.0 && timeout_s == 0.0 && nth == 1 && in_all == 1));
 }
