@@ -121,8 +121,9 @@ std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
         add(Phase::practice, i % protocol.runs.size(), practised[i], false);
     }
     Pcg32 extra = stream_of(key, purpose::main_order, 1);
-    OrderSampler sampler(run_intervals(protocol, extra),
-                         {.object = spec.max_run, .friction = spec.max_run_interval});
+    OrderSampler sampler(
+        run_intervals(protocol, extra),
+        {.object = spec.max_run, .friction = spec.max_run_interval, .words = {"run", "interval"}});
     Pcg32 random = stream_of(key, purpose::main_order);
     const ConstrainedOrder drawn = sampler.draw(random);
     plan.attempts = drawn.attempts;

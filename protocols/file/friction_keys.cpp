@@ -109,6 +109,9 @@ std::string wrong_law(std::string_view law, WordList more) {
     for (const LawKeys& one : friction_laws()) {
         words.push_back(one.law);
     }
+    if (more.empty()) {  // no protocol may have it
+        std::erase(words, "lugre_euler");
+    }
     words.insert(words.end(), more.begin(), more.end());
     return fmt::format("law is {}, give one of {}{}", shown(std::string(law)),
                        fmt::join(words, ", "), suggestion(law, words, ""));

@@ -23,8 +23,10 @@ std::map<std::size_t, std::size_t> occurrences(std::span<const Condition> trials
 
 std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trials,
                                                 Level factor,
-                                                std::size_t limit,
+                                                const RunLimits& limits,
                                                 Infeasible::Factor which) {
+    const bool of_object = which == Infeasible::Factor::object;
+    const std::size_t limit = of_object ? limits.object : limits.friction;
     if (limit == 0) {
         return std::nullopt;
     }
@@ -32,13 +34,12 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
         const std::size_t others = trials.size() - count;
         const std::size_t needed = (count + others) / (others + 1);  // ceil(count / (others + 1))
         if (needed > limit) {
-            const char* name = which == Infeasible::Factor::object ? "object" : "friction";
             return Infeasible{
                 which,
                 fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a row "
                             "somewhere; allow runs of {} or more, or 0 for no limit",
-                            name, level + 1, counted(count, "time"), counted(others, "other trial"),
-                            counted(needed, "time"), needed)};
+                            limits.words[of_object ? 0 : 1], level + 1, counted(count, "time"),
+                            counted(others, "other trial"), counted(needed, "time"), needed)};
         }
     }
     return std::nullopt;
@@ -49,10 +50,10 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
 std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                          const RunLimits& limits) {
     using enum Infeasible::Factor;
-    if (auto why = too_many_of_one_level(trials, &Condition::object, limits.object, object)) {
+    if (auto why = too_many_of_one_level(trials, &Condition::object, limits, object)) {
         return why;
     }
-    if (auto why = too_many_of_one_level(trials, &Condition::friction, limits.friction, friction)) {
+    if (auto why = too_many_of_one_level(trials, &Condition::friction, limits, friction)) {
         return why;
     }
     const bool both_alternate = limits.object == 1 && limits.friction == 1 &&
@@ -61,8 +62,9 @@ std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
     if (both_alternate && std::set<Condition>(trials.begin(), trials.end()).size() > 2) {
         return Infeasible{
             friction,
-            "object and friction would both alternate in every trial, so that an object would "
-            "always come with the same friction; allow runs of 2 of one of them"};
+            fmt::format("{0} and {1} would both alternate in every trial, so that one {0} would "
+                        "always come with the same {1}; allow runs of 2 of one of them",
+                        limits.words[0], limits.words[1])};
     }
     return std::nullopt;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,6 +18,7 @@ namespace palpate::protocols {
 struct RunLimits {
     std::size_t object = 0;
     std::size_t friction = 0;
+    std::array<std::string_view, 2> words{"object", "friction"};  ///< as a sentence calls them
 
     friend bool operator==(const RunLimits&, const RunLimits&) = default;
 };

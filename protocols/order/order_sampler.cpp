@@ -22,6 +22,11 @@ std::size_t limit_of(const RunLimits& limits, Level factor) {
     return factor == &Condition::object ? limits.object : limits.friction;
 }
 
+std::string text_of(const RunLimits& limits) {
+    return fmt::format("{} {}, {} {}", limits.words[0], limits.object, limits.words[1],
+                       limits.friction);
+}
+
 /// Bits of one over the share of pairs that have the asked table, object and friction each in any
 /// order.
 std::size_t rarity_of_table(std::span<const Condition> trials) {
@@ -74,8 +79,8 @@ bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, 
 OrderSampler::OrderSampler(std::vector<Condition> trials, const RunLimits& limits)
     : trials_(std::move(trials)), limits_(limits) {
     if (const auto why = why_infeasible(trials_, limits)) {
-        throw OrderError(fmt::format("no order keeps the run limits (object {}, friction {}): {}",
-                                     limits.object, limits.friction, why->reason));
+        throw OrderError(
+            fmt::format("no order keeps the run limits ({}): {}", text_of(limits), why->reason));
     }
     ways_ = by_rarity();
 }
@@ -134,10 +139,11 @@ const OrderCounter* OrderSampler::counter_of_both() {
     if (!std::exchange(both_.tried, true)) {
         both_.counter =
             counter_or_none(OrderCounter::build(trials_, limits_, max_states(trials_.size())));
-        refuse_if<OrderError>(both_.counter && both_.counter->total().is_zero(),
-                              "no order keeps the run limits (object {}, friction {}) at once, "
-                              "though each alone can be kept: allow longer runs of one of them",
-                              limits_.object, limits_.friction);
+        refuse_if<OrderError>(
+            both_.counter && both_.counter->total().is_zero(),
+            "no order keeps the run limits ({}) at once, though each alone can be "
+            "kept: allow longer runs of one of them",
+            text_of(limits_));
     }
     return both_.counter.get();
 }
@@ -177,9 +183,9 @@ ConstrainedOrder OrderSampler::draw(Pcg32& random) {
         }
     }
     throw OrderError(
-        fmt::format("none of {} orders drawn of {} trials kept the run limits (object {}, friction "
-                    "{}): allow longer runs, 0 for no limit, or divide the trials into blocks",
-                    attempts, trials_.size(), limits_.object, limits_.friction));
+        fmt::format("none of {} orders drawn of {} trials kept the run limits ({}): allow longer "
+                    "runs, 0 for no limit, or divide the trials into blocks",
+                    attempts, trials_.size(), text_of(limits_)));
 }
 
 OrderSampler::Proposal OrderSampler::propose(OrderWay way, Pcg32& random) {

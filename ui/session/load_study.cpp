@@ -50,17 +50,19 @@ std::string protocol_text(const std::string& file_or_name) {
         fmt::format("{}:1:1: there is no such protocol{}", file_or_name, nearest(file_or_name)));
 }
 
-/// Where the first limit of runs stands.
+/// Where the first limit of runs stands, or its table.
 protocols::Position limits_of(const std::string& text, const std::string& file) {
+    protocols::Position table_at{};
     for (const protocols::Entry& entry : protocols::parse_document(text, file)) {
         const auto* table = std::get_if<protocols::Table>(&entry.value.data);
+        table_at = entry.key == "design" || entry.key == "procedure" ? entry.value.at : table_at;
         for (const protocols::Entry& key : table != nullptr ? *table : protocols::Table()) {
             if (key.key.starts_with("max_run")) {
                 return key.value.at;
             }
         }
     }
-    return {};
+    return table_at;
 }
 
 }  // namespace
