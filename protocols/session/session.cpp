@@ -131,9 +131,7 @@ private:
 
     [[nodiscard]] const PendingTrials& pending() const { return progress_.pending(); }
 
-    [[nodiscard]] TrialView view_of_next() const {
-        return runner_.view_of(pending().number(), pending().answered());
-    }
+    [[nodiscard]] TrialView view_of_next() const { return runner_.view_of(pending()); }
 
     [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
     [[nodiscard]] bool wants_stop() const {
@@ -262,17 +260,9 @@ private:
         if (check.refused().empty()) {
             return trusted() || wants_stop() ? Signal::go_on : mend_unproved(kAnother);
         }
-        const std::size_t doubtful = trust_.trials;
-        const std::string since =
-            doubtful == 0 ? std::string()
-                          : fmt::format(". Doubtful: the last {}, begun since it was right",
-                                        counted(doubtful, "attempt", "attempts"));
-        happened({.kind = EventKind::provenance,
-                  .text = check.refused() + since,
-                  .count = static_cast<std::int64_t>(doubtful),
-                  .key = std::string(kRigCheck),
-                  .value = std::string(kRefused)});
-        return wants_stop() ? Signal::go_on : mend_unproved(check.refused() + since);
+        const Event refused = refused_proof(trust_, check.refused());
+        happened(refused);
+        return wants_stop() ? Signal::go_on : mend_unproved(refused.text);
     }
 
     /// The device went away before anybody began: no attempt has failed.

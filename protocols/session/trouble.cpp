@@ -43,6 +43,11 @@ public:
         if (!step.event) {
             ++view.tries;
             sentence_ = step.refused.empty() ? fault_.text : step.refused;
+            if (proves && rig_.trust.state == Trust::at_home && !rig_.trust.doubted) {
+                const Event refused = refused_proof(rig_.trust, sentence_);
+                sentence_ = refused.text;
+                rig_.happened(refused);
+            }
             return;
         }
         if (!back_) {

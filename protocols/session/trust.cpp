@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
+
 namespace palpate::protocols {
 namespace {
 
@@ -56,12 +58,14 @@ RigTrust after_going_on(RigTrust trust, const Event& event) noexcept {
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {
     if (event.value == kRefused) {
+        trust.doubted = trust.doubted || trust.state == Trust::at_home;  // pulses were refused
         return lowered_to(trust, Trust::answers);
     }
     const bool moved = event.key == kRigCheck && trust.state >= Trust::at_home;
     if (event.key == kStartPose || moved) {
         trust.state = moved ? Trust::proved : Trust::at_home;
-        trust.trials = 0;
+        trust.trials = moved ? 0 : trust.trials;  // a handle at home says nothing of motors
+        trust.doubted = !moved && trust.doubted;
     }
     return trust;
 }
@@ -89,6 +93,7 @@ ProofStep works_again(bool anew) {
 
 RigTrust apply(RigTrust trust, const Attempt& /*attempt*/) noexcept {
     ++trust.trials;
+    trust.doubted = false;
     return trust.trials < kMaxTrialsOfAProof ? trust : lowered_to(trust, Trust::answers);
 }
 
@@ -124,6 +129,18 @@ ProofStep prove_step(Apparatus& apparatus, Trust state) {
             : stepped(apparatus.prove_place(), kStartPose, "the handle is where it should be");
     // Found right, but somewhere else.
     return apparatus.began_anew() ? works_again(true) : step;
+}
+
+Event refused_proof(const RigTrust& trust, const std::string& why) {
+    const std::string since = trust.trials == 0
+                                ? std::string()
+                                : fmt::format(". Doubtful: the last {}, begun since it was right",
+                                              counted(trust.trials, "attempt", "attempts"));
+    return {.kind = EventKind::provenance,
+            .text = why + since,
+            .count = static_cast<std::int64_t>(trust.trials),
+            .key = std::string(kRigCheck),
+            .value = std::string(kRefused)};
 }
 
 std::optional<Event> other_board(const Event& event,

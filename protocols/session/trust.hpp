@@ -48,6 +48,7 @@ inline constexpr double kLongTrouble = 10.0;
 struct RigTrust {
     Trust state = Trust::unknown;
     std::size_t trials = 0;  ///< attempts since it was proved
+    bool doubted = false;    ///< that its motors are not as they were is kept, of these attempts
     bool by_hand = false;    ///< it may be another one, and nobody has said to go on since
 
     /// A trial may give force: proved, and nobody has to say to go on first.
@@ -68,6 +69,9 @@ struct ProofStep {
 /// Between trials: from `state`, which is not proved, tries to reach the next one. Takes some
 /// seconds at most.
 [[nodiscard]] ProofStep prove_step(Apparatus& apparatus, Trust state);
+
+/// What is kept of a proof that was refused: why, and how many attempts nobody can vouch for.
+[[nodiscard]] Event refused_proof(const RigTrust& trust, const std::string& why);
 
 /// After a reconnection, which may be of another board. @param board  as it was; becomes what it is
 [[nodiscard]] std::optional<Event> other_board(const Event& event,
