@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "data/store/database.hpp"
@@ -244,6 +245,26 @@ TEST_CASE("however many called a session that hangs, palpate stop is obeyed when
     others_call();
     session.program.signal(SIGCONT);
     CHECK(session.keeps(events_of("stop"), "1"));
+}
+
+TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goes on",
+          "[live][law]") {
+    ShownSession session;
+    session.program.signal(SIGSTOP);
+    const ui::Descriptor waits = ui::connect_to(session.shown.name);
+    {
+        const ui::Descriptor gone = ui::connect_to(session.shown.name);
+        ui::send_line(gone.get(), R"({"do":"note","text":"gave up"})");
+        ui::send_line(waits.get(), R"({"do":"note","text":"waits"})");
+        shutdown(waits.get(), SHUT_WR);  // has said it all, and hears the answer
+    }
+    session.program.signal(SIGCONT);
+    REQUIRE(session.keeps(events_of("note"), "1"));
+    REQUIRE(ui::readable(waits.get(), 2000));
+    CHECK(data::Json::parse(ui::receive(waits.get()).line)["ok"] == true);
+    const auto asked = session.ask({{"do", "note"}, {"text", std::string("one\0two", 7)}});
+    CHECK(asked["ok"] == false);
+    CHECK(session.kept("SELECT text FROM event WHERE event_kind = 'note'") == "waits");
 }
 
 TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][law]") {

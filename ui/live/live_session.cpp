@@ -157,6 +157,9 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
         end_early(text_in(asked, "word"), *caller);
     } else if (text.size() > kLongestText) {
         caller->answer(false, fmt::format("{} bytes: {} are the most", text.size(), kLongestText));
+    } else if (text.find('\0') != std::string::npos) {
+        caller->answer(false,
+                       "the text has a byte 0, at which other programs end it: leave it out");
     } else if (what == "note" && trimmed(text, " \t\r\n").empty()) {
         caller->answer(false, "the note is empty: say it in a few words");
     } else if (obeyed == kObeyed.end() || (what == "noted" && asked.contains("page"))) {

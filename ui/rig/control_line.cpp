@@ -210,6 +210,11 @@ Received receive(int from) {
     return received;
 }
 
+bool Caller::gave_up() const noexcept {
+    pollfd line{.fd = descriptor(), .events = 0, .revents = 0};
+    return poll(&line, 1, 0) > 0;
+}
+
 void Caller::answer(bool ok, std::string_view text, std::string_view word) const noexcept {
     try {
         answer_line(answer_of(ok, text, word));

@@ -79,6 +79,8 @@ public:
     /// The same user or root: may ask for anything. Else: for no force, and nothing more.
     [[nodiscard]] bool trusted() const noexcept { return trusted_; }
     [[nodiscard]] int descriptor() const noexcept { return line_.get(); }
+    /// Hung up: nobody waits for the answer. Who only ends what they say is still there.
+    [[nodiscard]] bool gave_up() const noexcept;
     /// One line of JSON, and with it an open file (< 0: none). Any thread; waits for nobody.
     void answer(bool ok, std::string_view text, std::string_view word = {}) const noexcept;
     void answer_line(std::string_view line, int file = -1) const noexcept {

@@ -173,7 +173,9 @@ void StopLines::obey(const std::string& line, const std::shared_ptr<Caller>& cal
         caller->answer_line(one_line(data::Json{
             {"ok", true}, {"text", label_}, {"proved", !acts_.doubts || !acts_.doubts()}}));
     } else if (caller->trusted() && acts_.obey) {
-        acts_.obey(line, caller);
+        if (!caller->gave_up()) {  // and may have done it in another way
+            acts_.obey(line, caller);
+        }
     } else {
         caller->answer(false, caller->trusted() ? "no session runs here: it can only be stopped"
                                                 : "another user may only stop: nothing was done");
