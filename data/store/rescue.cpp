@@ -9,7 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/database.hpp"
+#include "data/store/disk_space.hpp"
 
 // What becomes of a file that somebody deletes while it is in use.
 namespace palpate::data {
@@ -50,7 +52,7 @@ bool is_in_use(const std::string& file) {
 
 }  // namespace
 
-/// Of a file that others have open the log has a name, but for the moment in which it gets one or
+/// A log beside the file is its own. Of a file that others have open the log has a name, but for the moment in which it gets one or
 /// loses it. Without one a second log would be begun, of which they know nothing.
 void Database::require_log() {
     constexpr int kPauseMs = 5;
@@ -72,6 +74,11 @@ void Database::require_log() {
         }
         sqlite3_sleep(kPauseMs);
     }
+    refuse_if<StoreError>(
+        log_is_anothers(name),
+        "{0}: the log beside it, {0}-wal, is of another database, which a session records in: "
+        "this one, put in its place, is neither read nor written; move it away",
+        connection_.file);
 }
 
 void Database::rescue_deleted() {

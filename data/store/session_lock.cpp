@@ -23,17 +23,15 @@ struct flock bytes_of(std::optional<std::int64_t> session) {
     return bytes;
 }
 
-/// Locks of others from one byte up to another (0: no end). The kernel names any of them first.
+/// Locks of others from one byte up to another. The kernel names any of them first.
 std::size_t locks_within(int log, off_t first, off_t end) {
     struct flock bytes = bytes_of(std::nullopt);
     bytes.l_start = first;
-    bytes.l_len = end > 0 ? end - first : 0;
-    if ((end > 0 && first >= end) || fcntl(log, F_OFD_GETLK, &bytes) != 0 ||
-        bytes.l_type == F_UNLCK) {
+    bytes.l_len = end - first;
+    if (first >= end || fcntl(log, F_OFD_GETLK, &bytes) != 0 || bytes.l_type == F_UNLCK) {
         return 0;
     }
-    return 1 + (bytes.l_start > 0 ? locks_within(log, first, bytes.l_start) : 0) +
-           locks_within(log, bytes.l_start + 1, end);
+    return 1 + locks_within(log, first, bytes.l_start) + locks_within(log, bytes.l_start + 1, end);
 }
 
 }  // namespace
@@ -45,7 +43,9 @@ SessionLock::SessionLock(Database& database, std::int64_t session) {
     static_cast<void>(database.first("PRAGMA schema_version"));  // SQLite has laid the log by then
     log_ = open(log_of(database.file()).c_str(), O_RDWR | O_CLOEXEC);
     struct flock bytes = bytes_of(session);
-    if (log_ >= 0 && fcntl(log_, F_OFD_SETLK, &bytes) == 0) {
+    struct flock own = bytes_of(database_byte(database.file()));
+    own.l_type = F_RDLCK;  // several sessions of one database
+    if (log_ >= 0 && fcntl(log_, F_OFD_SETLK, &own) == 0 && fcntl(log_, F_OFD_SETLK, &bytes) == 0) {
         return;
     }
     const int error = errno;
@@ -71,7 +71,7 @@ bool SessionLock::held(const std::string& file, std::optional<std::int64_t> sess
 
 std::size_t SessionLock::all_held(const std::string& file) {
     const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
-    const std::size_t found = log >= 0 ? locks_within(log, 0, 0) : 0;
+    const std::size_t found = log >= 0 ? locks_within(log, 0, kDatabaseBytes) : 0;
     if (log >= 0) {
         close(log);
     }

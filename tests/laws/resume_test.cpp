@@ -247,6 +247,31 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session", "[
     CHECK(palpate_command({"verify", file + ".rescued"}).code == 0);
 }
 
+TEST_CASE("a database put in the place of a running session's is neither read nor written",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string other = folder.file("other.sqlite");
+    REQUIRE(palpate_command(words(other)).code == 0);
+    std::vector<std::string> command = words(file, "10");
+    command.insert(command.begin(), palpate_program());
+    Process running(command, {"DISPLAY", "WAYLAND_DISPLAY"});
+    REQUIRE(eventually([&] { return running.out().find("\n#2 ") != std::string::npos; }));
+    running.signal(SIGSTOP);  // else it ends when it sees that its file was moved
+    std::filesystem::rename(file, folder.file("moved.sqlite"));
+    std::filesystem::copy_file(other, file);
+    for (const auto& second :
+         {words(file), {"note", file, "rested", "--participant", "P1"}, {"status", file}}) {
+        check_end(palpate_command(second), 1, Has("d.sqlite-wal, is of another database"));
+    }
+    CHECK(slurp(file) == slurp(other));
+    std::filesystem::remove(file);
+    std::filesystem::rename(folder.file("moved.sqlite"), file);
+    running.signal(SIGCONT);
+    CHECK(running.wait().code == 0);
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
