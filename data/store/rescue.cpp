@@ -52,8 +52,9 @@ bool is_in_use(const std::string& file) {
 
 }  // namespace
 
-/// A log beside the file is its own. Of a file that others have open the log has a name, but for the moment in which it gets one or
-/// loses it. Without one a second log would be begun, of which they know nothing.
+/// A log beside the file is its own. Of a file that others have open the log has a name, but for
+/// the moment in which it gets one or loses it. Without one a second log would be begun, of which
+/// they know nothing.
 void Database::require_log() {
     constexpr int kPauseMs = 5;
     constexpr int kMomentMs = 100;

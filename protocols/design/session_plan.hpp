@@ -22,7 +22,8 @@ namespace palpate::protocols {
 ///    practice_order).
 /// 2. Main: `blocks` blocks, in each every condition repetitions / blocks times, within the run
 ///    limits, each order as likely as any other that goes on from the block before within them
-///    (OrderSampler; stream main_order, a key for every block). With the rule first_order instead: one block, a sequence in which every condition follows every condition
+///    (OrderSampler; stream main_order, a key for every block). With the rule first_order
+///    instead: one block, a sequence in which every condition follows every condition
 ///    once (eulerian_order; stream main_order). Its first trial has no forerunner: it leads in, as
 ///    practice. The run limits do not apply. With friction blocks (counterbalance.hpp): `blocks`
 ///    rounds, in each one block of every friction, with every pictured object repetitions / blocks

@@ -390,24 +390,11 @@ TEST_CASE("pulses that are refused are kept with the attempts begun since they w
     const bool at_faults = GENERATE(false, true);  // or in breaks
     World world{.seed = 3, .fault_share = at_faults ? 0.3 : 0.0};
     ChangingRig rig(world, 1, Trip::device_lost);  // first its place is refused, then its pulses
-    rig.changes_at_faults = at_faults;
-    struct Doubts : Kinds {
-        void event(const Event& event) override {
-            Kinds::event(event);
-            if (event.value == kRefused) {
-                CHECK(event.count == static_cast<std::int64_t>(rig->since));
-                counts.push_back(rig->since);
-            }
-        }
-        ChangingRig* rig = nullptr;
-        std::vector<std::size_t> counts;
-    } kept;
-    kept.rig = &rig;
+    Doubts kept(rig);
     Protocol protocol = short_protocol();
-    protocol.design.break_every = at_faults ? 0 : 3;
+    protocol.design.break_every = 3;
     Meddler meddler(rig);
     Patient patient;
-    const SessionEnd end = run_on(protocol, rig, at_faults ? patient : meddler, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    run_on(protocol, rig, at_faults ? patient : meddler, kept);
     CHECK(std::ranges::count_if(kept.counts, [](std::size_t n) { return n > 0; }) >= 2);
 }

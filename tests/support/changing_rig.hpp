@@ -111,6 +111,23 @@ private:
     int pulses_left_ = 0;
 };
 
+/// What a session keeps of refused proofs: each counts the trials since pulses were right.
+class Doubts : public Kinds {
+public:
+    explicit Doubts(const ChangingRig& rig) : rig_(&rig) {}
+    void event(const Event& event) override {
+        Kinds::event(event);
+        if (event.value == kRefused) {
+            CHECK(event.count == static_cast<std::int64_t>(rig_->since));
+            counts.push_back(rig_->since);
+        }
+    }
+    std::vector<std::size_t> counts;
+
+private:
+    const ChangingRig* rig_;
+};
+
 /// Somebody in whose breaks the rig changes.
 class Meddler : public Patient {
 public:
