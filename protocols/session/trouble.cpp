@@ -44,7 +44,7 @@ public:
             ++view.tries;
             sentence_ = step.refused.empty() ? fault_.text : step.refused;
             if (proves && rig_.trust.state == Trust::at_home && !rig_.trust.doubted) {
-                const Event refused = refused_proof(rig_.trust, sentence_);
+                const Event refused = refused_proof(rig_.trust, sentence_, kRefusedInTrouble);
                 sentence_ = refused.text;
                 rig_.happened(refused);
             }

@@ -57,9 +57,9 @@ RigTrust after_going_on(RigTrust trust, const Event& event) noexcept {
 }
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {
-    if (event.value == kRefused) {
+    if (event.value == kRefused || event.value == kRefusedInTrouble) {
         trust.doubted = trust.doubted || trust.state == Trust::at_home;  // pulses were refused
-        return lowered_to(trust, Trust::answers);
+        return lowered_to(trust, event.value == kRefused ? Trust::answers : Trust::at_home);
     }
     const bool moved = event.key == kRigCheck && trust.state >= Trust::at_home;
     if (event.key == kStartPose || moved) {
@@ -131,7 +131,7 @@ ProofStep prove_step(Apparatus& apparatus, Trust state) {
     return apparatus.began_anew() ? works_again(true) : step;
 }
 
-Event refused_proof(const RigTrust& trust, const std::string& why) {
+Event refused_proof(const RigTrust& trust, const std::string& why, std::string_view value) {
     const std::string since = trust.trials == 0
                                 ? std::string()
                                 : fmt::format(". Doubtful: the last {}, begun since it was right",
@@ -140,7 +140,7 @@ Event refused_proof(const RigTrust& trust, const std::string& why) {
             .text = why + since,
             .count = static_cast<std::int64_t>(trust.trials),
             .key = std::string(kRigCheck),
-            .value = std::string(kRefused)};
+            .value = std::string(value)};
 }
 
 std::optional<Event> other_board(const Event& event,

@@ -35,6 +35,8 @@ inline constexpr std::string_view kHandleMoves =
 inline constexpr std::string_view kBoard = "board";
 /// The value of both proofs that proves nothing.
 inline constexpr std::string_view kRefused = "refused";
+/// The same of pulses in a trouble: they are tried again where the handle is.
+inline constexpr std::string_view kRefusedInTrouble = "refused in trouble";
 /// The value of a reconnection after which the rig may be another one.
 inline constexpr std::string_view kAnew = "anew";
 /// s of trouble after which somebody may have changed the rig, whatever the cause was.
@@ -71,7 +73,9 @@ struct ProofStep {
 [[nodiscard]] ProofStep prove_step(Apparatus& apparatus, Trust state);
 
 /// What is kept of a proof that was refused: why, and how many attempts nobody can vouch for.
-[[nodiscard]] Event refused_proof(const RigTrust& trust, const std::string& why);
+[[nodiscard]] Event refused_proof(const RigTrust& trust,
+                                  const std::string& why,
+                                  std::string_view value = kRefused);
 
 /// After a reconnection, which may be of another board. @param board  as it was; becomes what it is
 [[nodiscard]] std::optional<Event> other_board(const Event& event,

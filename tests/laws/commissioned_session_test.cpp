@@ -328,8 +328,8 @@ TEST_CASE(
     CHECK(run.program().wait().code == 3);
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     auto row = database.prepare(
-        "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN "
-        "event_kind = "
+        "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN value "
+        "LIKE 'refused%' THEN ' refused' WHEN event_kind = "
         "'provenance' THEN '' ELSE ' ' || replace(coalesce(value, ''), 'device_silent', "
         "'device_lost') END AS word FROM event WHERE "
         "event_kind "
@@ -338,7 +338,8 @@ TEST_CASE(
     REQUIRE(row.step());
     CHECK_THAT(row.text(0),
                StartsWith("start pose; rig check; fault device_lost; ") &&
-                   Has("reconnect anew; start pose; rig check; go on device_lost; ",
+                   Has("reconnect anew; start pose; rig check refused; rig check; go on "
+                       "device_lost; ",
                        "reconnect anew; start pose; rig check; go on rig check; ") &&
                    EndsWith("fault device_lost; reconnect anew; start pose; rig check; "
                             "go on device_lost"));

@@ -16,7 +16,7 @@ public:
     TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
     void event(const Event& event) override {
         ++count[event.kind];
-        count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
+        count_of_key[event.key] += event.value.starts_with(kRefused) ? 0U : 1U;
         causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
         anew += event.value == kAnew ? 1U : 0U;
         board = event.key == kBoard ? event.value : board;
@@ -117,7 +117,7 @@ public:
     explicit Doubts(const ChangingRig& rig) : rig_(&rig) {}
     void event(const Event& event) override {
         Kinds::event(event);
-        if (event.value == kRefused) {
+        if (event.value.starts_with(kRefused)) {
             CHECK(event.count == static_cast<std::int64_t>(rig_->since));
             counts.push_back(rig_->since);
         }
