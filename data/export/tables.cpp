@@ -53,12 +53,7 @@ const std::vector<ExportColumn> kComputed{
      "trial.invalid_reason)"},
     {"trials_since_break", "integer", "1",
      "attempts before it since the session's begin or last break; empty: it has not ended",
-     "iif(trial.seal_events IS NULL, NULL, (SELECT count(*) FROM trial AS earlier WHERE"
-     " earlier.session_id = trial.session_id AND earlier.trial_id < trial.trial_id AND"
-     " earlier.seal_events IS NOT NULL AND NOT EXISTS (SELECT 1 FROM (SELECT event_kind,"
-     " row_number() OVER (ORDER BY event_id) AS n FROM event WHERE event.session_id ="
-     " trial.session_id) WHERE event_kind = 'break' AND n > earlier.seal_events AND n <="
-     " trial.seal_events)))"},
+     "numbered.trials_since_break"},
     {"counts", "integer", "1", "1: answered, and the answer counts",
      "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
     {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
