@@ -48,8 +48,7 @@ SELECT study.study_name AS study_name,
        trial.invalid_reason AS invalid_reason,
        CASE WHEN session.withdrawn_reason IS NOT NULL THEN 'withdrawn'
             WHEN trial.invalid_reason IS NOT NULL
-                 AND EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event.event_kind = 'mark')
-            THEN 'marked' ELSE trial.invalid_reason
+                 AND marked.trial_id IS NOT NULL THEN 'marked' ELSE trial.invalid_reason
        END AS exclusion,  -- why the answer does not count; marked: somebody said so; withdrawn: of its session
        response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AND session.withdrawn_reason IS NULL
            AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
@@ -90,10 +89,13 @@ LEFT JOIN presentation AS felt_1 ON felt_1.trial_id = trial.trial_id AND felt_1.
 LEFT JOIN presentation AS felt_2 ON felt_2.trial_id = trial.trial_id AND felt_2.interval = 2
 LEFT JOIN presentation AS compared
     ON compared.trial_id = trial.trial_id AND compared.interval = adaptive_plan.comparison_interval
-LEFT JOIN (SELECT session_id, row_number() OVER (PARTITION BY session_id ORDER BY event_id) AS events,
+LEFT JOIN (SELECT session_id,
+                  CAST(row_number() OVER (PARTITION BY session_id ORDER BY event_id) AS INTEGER) AS events,  -- found by an index
                   sum(event_kind = 'break') OVER (PARTITION BY session_id ORDER BY event_id) AS breaks
            FROM event) AS rested
-    ON rested.session_id = trial.session_id AND rested.events = trial.seal_events;
+    ON rested.session_id = trial.session_id AND rested.events = trial.seal_events
+LEFT JOIN (SELECT DISTINCT trial_id FROM event WHERE event_kind = 'mark') AS marked
+    ON marked.trial_id = trial.trial_id;
 
 CREATE VIEW exploration AS
 -- One row per interval that was felt: what the hand did there.
