@@ -169,6 +169,16 @@ TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", 
     CHECK(c.mode == Mode::free);
 }
 
+TEST_CASE("starting inside the object begins a contact at the closest point", "[vertex]") {
+    const Scene scene(stimuli::make_outline({}), {.friction = kStudyFriction, .slew = kStudySlew});
+    ContactState state;
+    const Contact c = scene.tick(state, {-0.021, 0.017});
+    CHECK(c.mode == Mode::stuck);
+    TrackState track;
+    CHECK(glm::length(c.go - scene.closest(track, state.last_hip).point) < 1e-15);
+    CHECK(std::fabs(c.normal_force - 1000.0 * 0.002 / std::sqrt(2.0)) < 1e-9);
+}
+
 TEST_CASE("mu does not heal while a sliding contact turns round a vertex", "[vertex][law]") {
     SEEDED(random, 20U, 2909U);
     const double slope = random.in(0.2, 1.8);  // steeper, it sticks before
