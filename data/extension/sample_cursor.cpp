@@ -1,6 +1,7 @@
 #include "data/extension/sample_cursor.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -48,7 +49,10 @@ public:
     void gives_up() noexcept { given_up_ = true; }
     [[nodiscard]] bool is_of(const TrialPart& part,
                              const std::vector<std::vector<std::byte>>& bytes) const {
-        return !given_up_ && part_ == part && bytes_ == bytes;
+        const auto same = [](const auto& a, const auto& b) {  // == goes byte by byte
+            return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size()) == 0;
+        };
+        return !given_up_ && part_ == part && std::ranges::equal(bytes_, bytes, same);
     }
 
     /// @throws SampleError if the ticks are not what was recorded, TraceError if they are damaged
