@@ -323,7 +323,9 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     for (const char* person : {"Ada", "Bob", "Cem"}) {
         ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
     }
-    no_stats({file}, "has no answer of identification or yes-no without a rule in real sessions: --kind chooses");
+    no_stats({file},
+             "has no answer of identification or yes-no without a rule in real sessions: --kind "
+             "chooses");
     no_stats({file, "--kind", "all"}, "--kind");
     no_stats({file, "--kind", "simulated", "--other-answers"}, "--other-answers is for a CSV");
     const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
