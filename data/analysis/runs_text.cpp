@@ -114,7 +114,8 @@ void add_shares(RuleRuns& found, Database& database, const Run& run, ResponseKin
     }
     Statement row = database.prepare(
         "SELECT stimulus, sum(rule_outcome), count(*) FROM analysis_trial WHERE "
-        "session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus",
+        "session_id = ?1 AND run_number = ?2 AND run_trial_number IS NOT NULL AND counts "
+        "GROUP BY stimulus ORDER BY stimulus",
         run.session, run.run);
     while (row.step()) {
         const std::int64_t k = row.integer(1);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
@@ -54,6 +55,14 @@ double moved(StepScale scale, double level, double step) {
     return level;
 }
 
+/// @param size  > 0, of the numbers that were added up to x
+double twelve_digits(double x, double size) {
+    constexpr double kDigitsPerBit = 0.30103;
+    const int before = static_cast<int>(std::floor(kDigitsPerBit * std::ilogb(size)));
+    const std::string text = fmt::format("{:.{}f}", x, std::clamp(11 - before, 0, 300));
+    return parsed<double>(text).value_or(x) + 0.0;  // no -0
+}
+
 }  // namespace
 
 double target(const StaircaseSpec& spec) noexcept {
@@ -65,8 +74,25 @@ double target(const StaircaseSpec& spec) noexcept {
     return exponential(engine::natural_log(share) / static_cast<double>(spec.down));
 }
 
-Staircase::Staircase(StaircaseSpec spec) : spec_(std::move(spec)), level_(spec_.start) {
+Staircase::Staircase(StaircaseSpec spec) : spec_(std::move(spec)) {
     check(spec_);
+    begin_at(spec_.start);
+}
+
+void Staircase::begin_at(double level) {
+    base_ = level;
+    moved_ = 0.0;
+    place();
+}
+
+void Staircase::place() {
+    const bool linear = spec_.scale == StepScale::linear;
+    const auto bounded = [this](double level) {
+        return std::clamp(level, spec_.lowest, spec_.highest);
+    };
+    const double there = bounded(moved(spec_.scale, base_, moved_));
+    const double size = linear ? std::max(std::fabs(base_), std::fabs(moved_)) : there;
+    level_ = bounded(size > 0.0 ? twelve_digits(there, size) : there);
 }
 
 void Staircase::update(double shown, bool right) {
@@ -74,7 +100,9 @@ void Staircase::update(double shown, bool right) {
     last_right_ = right;
     const bool single = spec_.fast_start && reversals_.empty();
     const std::size_t needed = single ? 1 : (right ? spec_.down : spec_.up);
-    level_ = std::clamp(shown, spec_.lowest, spec_.highest);
+    if (shown != level_) {
+        begin_at(shown);
+    }
     if (in_a_row_ >= needed) {
         in_a_row_ = 0;
         move(right ? -1 : 1, shown);
@@ -90,8 +118,11 @@ void Staircase::move(int direction, double from) {
     direction_ = direction;
     const std::vector<double>& steps = direction > 0 ? spec_.steps_up : spec_.steps_down;
     const double step = steps[std::min(reversals_.size(), steps.size() - 1)];
-    level_ = std::clamp(moved(spec_.scale, from, direction > 0 ? step : -step), spec_.lowest,
-                        spec_.highest);
+    moved_ += direction > 0 ? step : -step;
+    place();
+    if (level_ == spec_.lowest || level_ == spec_.highest) {
+        begin_at(level_);
+    }
 }
 
 bool Staircase::finished() const noexcept {

@@ -63,7 +63,8 @@ struct StaircaseSpec {
 
 /// A staircase on its way. A reversal is a trial whose answer turns the direction of the rule,
 /// counted even where a bound stops the level; its value is the stimulus of that trial, and the
-/// next move already has the next step size.
+/// next move already has the next step size. A level has twelve digits: what additions leave behind
+/// them would make two levels of one that is reached on two ways.
 class Staircase {
 public:
     /// @throws std::invalid_argument for a spec that makes no sense, with the member and the remedy
@@ -94,9 +95,13 @@ public:
 
 private:
     void move(int direction, double from);
+    void begin_at(double level);
+    void place();
 
     StaircaseSpec spec_;
-    double level_;
+    double base_ = 0.0;   ///< where it began, or met a bound
+    double moved_ = 0.0;  ///< steps from there, up less down
+    double level_ = 0.0;
     int direction_ = 0;  ///< of the last move; 0: none yet
     bool last_right_ = false;
     std::size_t in_a_row_ = 0;  ///< equal answers since the last move

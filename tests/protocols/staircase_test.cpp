@@ -160,6 +160,42 @@ TEST_CASE("a staircase never leaves its bounds, and ends by reversals", "[stairc
     CHECK(staircase.estimate().mean.value() <= 4.0);
 }
 
+TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps",
+          "[staircase][law]") {
+    // As many levels as steps apart: of ways that begin at multiples of a tenth of the step, from
+    // another track's start or from a bound, too.
+    SEEDED(random, std::uint64_t{200});
+    const auto scale = static_cast<StepScale>(random.below(3));
+    const double step = std::round(random.decade(1, 3)) * 1e-3;
+    const auto at = [&](int steps) {
+        return scale == StepScale::linear ? 0.3 + steps * step
+             : scale == StepScale::db     ? 0.3 * std::pow(10.0, steps * step / 20.0)
+                                          : 0.3 * std::pow(10.0, steps * step);
+    };
+    const int below = scale == StepScale::linear ? 0 : -20;
+    std::set<double> met;
+    for (const int start : {0, 7}) {
+        Staircase staircase({.start = at(start),
+                             .down = 1,
+                             .steps_up = {step},
+                             .steps_down = {step},
+                             .scale = scale,
+                             .lowest = at(below),
+                             .highest = at(20),
+                             .trials = 500});
+        while (!staircase.finished()) {
+            met.insert(staircase.level());
+            staircase.update(staircase.level(), random.coin());
+        }
+    }
+    for (const double level : met) {
+        CHECK(std::ranges::count_if(met, [level](double other) {
+                  return std::fabs(other - level) < 1e-9 * std::fabs(level);
+              }) == 1);
+    }
+    CHECK(met.size() > 8);
+}
+
 TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][law]") {
     std::vector<StaircaseSpec> specs;
     for (int i = 0; i < 3; ++i) {
