@@ -32,7 +32,7 @@ constexpr AuditedQuantity kAudited[] = {
      Scale::share, true},
     {"until the first contact", "first_contact_s", "exploration.first_contact_s", Scale::ratio,
      false},
-    {"exploration", "exploration_s", "exploration.done_s", Scale::ratio, false},
+    {"until done", "done_s", "exploration.done_s", Scale::ratio, false},
     {"in contact", "contact_s", "exploration.contact_s", Scale::ratio, false},
     {"strokes", "strokes", "exploration.strokes", Scale::ratio, false},
     {"normal force, median", "normal_force_n", "exploration.normal_force_p50_n", Scale::ratio,

@@ -166,7 +166,8 @@ ORDER BY curvature, felt, friction, person
 -- name: times
 SELECT person, left_out, friction, count(*) AS n,
        geometric_mean(iif(reaction_s > 0, reaction_s, NULL)) AS response_s,
-       geometric_mean(iif(done_s > first_contact_s, done_s - first_contact_s, NULL)) AS exploration_s
+       geometric_mean((SELECT nullif(sum(done_s - first_contact_s), 0) FROM presentation
+                       WHERE presentation.trial_id = main.trial_id)) AS exploration_s
 FROM main WHERE counts
 GROUP BY person, friction ORDER BY person, friction
 

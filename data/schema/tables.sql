@@ -148,8 +148,8 @@ CREATE TABLE trial (
     calibration_sha256  TEXT CHECK (length(calibration_sha256) = 64),  -- of the device's calibration; NULL: it has none
     fault_cause         TEXT CHECK (fault_cause IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
     first_contact_s     REAL,                       -- first tick -> first contact; NULL: none
-    done_s              REAL,                       -- first tick -> done
-    done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
+    done_s              REAL,                       -- first tick -> done, of two intervals added up
+    done_uncertainty_s  REAL,                       -- the last done may have been up to this much earlier
     ticks               INTEGER CHECK (ticks >= 0), -- of the servo, from the first to done
     -- (measures() of protocols/session/trial_meter.cpp, by in_trial)
     started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig); its first tick comes within some 0.1 s

@@ -173,7 +173,7 @@ SELECT trial.trial_id AS trial_id,
        trial.calibration_sha256 AS calibration_sha256,
        plan.phase AS phase,
        trial.fault_cause AS fault_cause,
-       trial.done_s AS fault_s,  -- first tick -> fault
+       trial.done_s AS fault_s,  -- first tick -> fault, of two intervals added up
        trial.ended_utc AS ended_utc,
        (SELECT count(*) FROM fault_tick WHERE fault_tick.trial_id = trial.trial_id) AS ticks_kept  -- in fault_tick
 FROM trial

@@ -121,7 +121,7 @@ struct Fault {
 /// All that is kept of an attempt beside its ticks.
 struct TrialResult {
     Outcome outcome = Outcome::complete;
-    double done_s = 0.0;  ///< of the last interval: its first tick -> done (or time-out)
+    double done_s = 0.0;  ///< first tick -> done (or time-out), of all intervals added up
     double done_uncertainty_s = 0.0;
     TrialSummary summary{};                   ///< of all intervals together
     std::vector<IntervalResult> intervals{};  ///< as far as the trial came

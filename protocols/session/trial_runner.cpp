@@ -161,6 +161,7 @@ void TrialRunner::feel(TrialId id,
                        TrialResult& result) {
     meter_.emplace(protocol_.apparatus.stiffness, scene);
     tripped_s_.reset();
+    const double felt_s = result.done_s;  // in the interval before
     result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {
         ForceScope force(ports_.apparatus, scene, planned, felt.interval);
@@ -172,6 +173,7 @@ void TrialRunner::feel(TrialId id,
     const TrialSummary sum = meter_->summary();
     result.intervals.push_back(
         {.done_s = result.done_s, .done_uncertainty_s = result.done_uncertainty_s, .summary = sum});
+    result.done_s += felt_s;
     result.summary = result.intervals.size() == 1 ? sum : together(result.summary, sum);
 }
 
