@@ -162,7 +162,7 @@ Rest PulseRunner::watch(double seconds) {
         static_cast<void>(wait_());
         const Reading reading = device_->read();
         device_->write(Vec3{});
-        if (reading.fault == DeviceFault::silent) {
+        if (reading.fault == DeviceFault::silent || reading.fault == DeviceFault::held) {
             static_cast<void>(answers_again());
         }
         const bool usable = reading.ok() || reading.fault == DeviceFault::unreachable;

@@ -17,6 +17,7 @@ enum class DeviceFault : std::uint8_t {
     garbage,      ///< it answers with what cannot be
     unreachable,  ///< its angles belong to no pose of the linkage, or to a singular one
     stopped,      ///< it has switched its motors off by itself: emergency stop, its own watchdog
+    held,         ///< this program stood still with the force on: its guard switched the motors off
     unguarded,    ///< nobody would zero the motors if this program died
     ended,        ///< a recording has nothing more
 };

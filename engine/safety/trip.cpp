@@ -83,6 +83,8 @@ Trip trip_of(DeviceFault fault) noexcept {
             return Trip::device_garbage;
         case DeviceFault::unreachable:
             return Trip::out_of_workspace;
+        case DeviceFault::held:
+            return Trip::screen_silent;
         case DeviceFault::lost:
         case DeviceFault::unguarded:
         case DeviceFault::ended:

@@ -201,7 +201,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     }
     SECTION("it took the driver for hung") {
         bench.guard.tripped = true;
-        expected = DeviceFault::silent;
+        expected = DeviceFault::held;
     }
     SECTION("it died between read and write") {
         static_cast<void>(bench.device->read());
@@ -212,7 +212,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     }
     CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);
     CHECK_THAT(bench.device->trouble(),  // at once, not only after a reconnection in vain
-               Has(expected == DeviceFault::silent ? "stopped answering" : "guard process"));
+               Has(expected == DeviceFault::held ? "palpate stood still" : "guard process"));
     CHECK(bench.board.torque() == Vec3{});
     CHECK_FALSE(bench.guard.force);
     CHECK(bench.device->reconnect());

@@ -156,7 +156,7 @@ double BoardDevice::behind() const noexcept {
 Reading BoardDevice::read() noexcept {
     ++tick_;
     if (fault_ == DeviceFault::none && guard_->tripped()) {
-        fail(DeviceFault::silent);
+        fail(DeviceFault::held);
     }
     if (fault_ == DeviceFault::none && !guard_->alive()) {
         fail(DeviceFault::unguarded);
@@ -218,7 +218,9 @@ bool BoardDevice::send_zero() noexcept {
 }
 
 void BoardDevice::fail(DeviceFault fault) noexcept {
-    fault_ = fault;
+    // After the guard has spoken answers are those to its zeros, and the board is not to blame.
+    const bool odd = fault == DeviceFault::silent || fault == DeviceFault::garbage;
+    fault_ = odd && guard_->tripped() ? DeviceFault::held : fault;
     zeros_left_ = kLastZeros;
     // Behind half a packet a zero torque would be misread: a little later.
     zeros_from_ns_ = fault == DeviceFault::lost ? link_->now_ns() + kMillisecond / 2 : 0;
@@ -285,7 +287,7 @@ AppliedForce BoardDevice::write(const Vec3& force) noexcept {
         return applied_;
     }
     if (guard_->tripped() || !guard_->alive()) {
-        fail(guard_->tripped() ? DeviceFault::silent : DeviceFault::unguarded);
+        fail(guard_->tripped() ? DeviceFault::held : DeviceFault::unguarded);
         return {.saturated = true};
     }
     if (!ask(drive.torque)) {

@@ -40,6 +40,9 @@ std::string BoardDevice::explained(DeviceFault fault) const {
             return board + " sent what cannot be: end other programs that use it, check the cable";
         case DeviceFault::stopped:
             return board + " has switched its motors off";
+        case DeviceFault::held:
+            return "palpate stood still with the force on, so that its guard switched the motors "
+                   "off: end what keeps this machine busy";
         case DeviceFault::unguarded:
             return "the guard process of the motors is gone: it is started again";
         case DeviceFault::unreachable:
