@@ -23,7 +23,7 @@ constexpr Key kStudy[]{
     {.name = "id", .slot = at<&Protocol::id>, .need = required,
      .meaning = "names the study in the database"},
     {.name = "title", .slot = at<&Protocol::title>, .need = required, .form = Form::free,
-     .meaning = "shown to the participant"},
+     .meaning = "of the study in reports and exports; the participant sees none, which might tell what is compared"},
     {.name = "seed", .slot = at<&Protocol::seed>, .need = required, .range = {0, kMaxSeed},
      .meaning = "the one seed: every order and every simulated number follows from it"},
     {.name = "participants", .slot = at<&Protocol::participants>, .range = {1, 10000},

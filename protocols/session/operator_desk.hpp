@@ -25,6 +25,7 @@ struct MarkReply {
     bool found = false;       ///< an answer that counted; else nothing is changed
     bool runs_again = false;  ///< its trial will
     TrialNumber number{};     ///< as its screens said
+    TrialNumber next{};       ///< the trial that comes now
     std::int64_t trial = 0;   ///< its trial_id
 };
 

@@ -43,15 +43,15 @@ public:
             return stopped();
         }
         for (bool fresh = true; check_mark(), !pending().empty();) {
-            const TrialView next = view_of_next();
+            next_ = runner_.view_of(pending());
             const std::size_t marks = marks_;
-            if (check_stop() == Signal::abort || check_pause(next) == Signal::abort) {
+            if (check_stop() == Signal::abort || check_pause() == Signal::abort) {
                 return stopped();
             }
             if (wants_stop()) {  // since the pause
                 continue;
             }
-            if ((!fresh || !trusted()) && between(next) == Signal::abort) {
+            if ((!fresh || !trusted()) && between() == Signal::abort) {
                 return stopped();
             }
             fresh = true;  // what is wanted now comes without another gap
@@ -60,7 +60,7 @@ public:
             if (wanted() || !trusted() || marks_ != marks) {
                 continue;
             }
-            if (const auto end = attempt(next, fresh)) {
+            if (const auto end = attempt(fresh)) {
                 return *end;
             }
         }
@@ -90,10 +90,10 @@ private:
 
     /// One attempt at the next trial, and what its fault asks for. `fresh`: nothing was begun.
     /// @return the session's end, if it ended it
-    std::optional<SessionEnd> attempt(const TrialView& next, bool& fresh) {
+    std::optional<SessionEnd> attempt(bool& fresh) {
         const PlannedTrial& planned = plan_.trials.at(pending().next());
         const TrialNumber number = pending().number();
-        const TrialResult result = runner_.run(planned, next);
+        const TrialResult result = runner_.run(planned, next_);
         if (!result.begun) {
             const bool over =
                 result.outcome == Outcome::aborted ||
@@ -107,7 +107,7 @@ private:
             return stopped();
         }
         note_invalid(planned, result);
-        if (tell(next, result) == Signal::abort) {
+        if (tell(next_, result) == Signal::abort) {
             return stopped();
         }
         faults_ = result.fault ? faults_ + 1 : 0;
@@ -130,8 +130,6 @@ private:
     }
 
     [[nodiscard]] const PendingTrials& pending() const { return progress_.pending(); }
-
-    [[nodiscard]] TrialView view_of_next() const { return runner_.view_of(pending()); }
 
     [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
     [[nodiscard]] bool wants_stop() const {
@@ -172,7 +170,9 @@ private:
             reply = {.found = true,
                      .runs_again = pending().has(last_position_),
                      .number = last_number_,
+                     .next = pending().number(),
                      .trial = *last_};
+            next_ = pending().empty() ? next_ : runner_.view_of(pending());
             last_.reset();
             ++marks_;
         } else {
@@ -207,14 +207,14 @@ private:
         return wants_stop() ? mended({.cause = cause, .text = why, .last = {}}) : Signal::go_on;
     }
 
-    Signal check_pause(const TrialView& next) {
+    Signal check_pause() {
         if (ports_.desk == nullptr || !ports_.desk->take_pause()) {
             return Signal::go_on;
         }
         note_before_next(EventKind::pause);
         const std::int64_t begun = monotonic_ns();
         ports_.paused(true);
-        const Signal signal = waiting([&] { return ports_.observer.pause(next); });
+        const Signal signal = waiting([&] { return ports_.observer.pause(next_); });
         ports_.paused(false);
         const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
         happened({.kind = EventKind::go_on,
@@ -225,7 +225,7 @@ private:
 
     /// A break where the plan has one after as many answered trials, once, and a short one where
     /// the rig has to be proved; a gap elsewhere.
-    Signal between(const TrialView& next) {
+    Signal between() {
         const std::size_t done = pending().answered();
         const bool planned = plan_.trials[done].break_before && rested_ != done;
         if (!planned && trusted()) {
@@ -241,7 +241,7 @@ private:
             if (ports_.desk != nullptr) {
                 ports_.desk->await_handle([&check] { return !check.over(); });
             }
-            return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next);
+            return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next_);
         });
         return signal == Signal::go_on ? check_handle(check) : signal;
     }
@@ -368,6 +368,7 @@ private:
     std::size_t faults_ = 0;       ///< in a row
     std::optional<TrialId> last_;  ///< the attempt before now, of this run; a mark would mean it
     TrialNumber last_number_{};
+    TrialView next_{};  ///< a mark in a break changes it
     std::size_t last_position_ = 0;
     std::size_t marks_ = 0;  ///< answers that the desk took back
     double waited_s_ = 0.0;  ///< in pauses and troubles since the last attempt

@@ -127,15 +127,15 @@ void advise_on_letters(const protocols::Protocol& protocol,
                        const std::string& font,
                        std::vector<std::string>& all) {
     const auto look = [&](const std::string& where, const std::string& text) {
-        const auto [character, from_right] = unshown(text, font);
-        if (!character.empty()) {
-            all.push_back(fmt::format("{} has \"{}\": {}", where, character,
-                                      from_right
-                                          ? "what runs from right to left is not drawn so"
-                                          : "the font lacks it, give --font one that has it"));
-        }
+        const Unshown letters = unshown(text, font);
+        const auto advise = [&](const std::string& letter, const char* why) {
+            if (!letter.empty()) {
+                all.push_back(fmt::format("{} has \"{}\": {}", where, letter, why));
+            }
+        };
+        advise(letters.lacking, "the font lacks it, give --font one that has it");
+        advise(letters.from_right, "what runs from right to left is not drawn so");
     };
-    look("[study] title", protocol.title);
     look("[response] question", protocol.response.question);
     look("[response] low", protocol.response.low);
     look("[response] high", protocol.response.high);

@@ -221,11 +221,16 @@ void LiveBoard::add_not_counting(const protocols::TrialNumber& trial, const std:
     keep_newest(lists_->not_counting);
 }
 
-void LiveBoard::marked(const protocols::MarkReply& reply, const std::string& reason) noexcept {
+void LiveBoard::marked(const protocols::MarkReply& reply,
+                       const std::string& reason,
+                       bool alarm) noexcept {
     unless_no_memory([&] {
         if (!reply.found) {  // whoever asked was answered before the trial's end
             noted("a mark found no answer that counts" + (reason.empty() ? "" : ": " + reason));
         } else {
+            alarm_ = alarm;
+            const bool waits = phase_ == LivePhase::rest || phase_ == LivePhase::pause;
+            trial_ = waits ? reply.next : trial_;
             facts_.answered -= std::min<std::size_t>(1, facts_.answered);
             facts_.left += reply.runs_again ? 1U : 0U;
             add_not_counting(reply.number, "marked" + (reason.empty() ? "" : ": " + reason));

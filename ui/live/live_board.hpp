@@ -85,7 +85,7 @@ public:
     void attempted(const protocols::Progress& progress,
                    std::optional<double> minutes,
                    bool alarm) noexcept;
-    void marked(const protocols::MarkReply& reply, const std::string& reason) noexcept;
+    void marked(const protocols::MarkReply& reply, const std::string& reason, bool alarm) noexcept;
     void noted(const std::string& text) noexcept;
     /// The rig was proved again, or was refused.
     void checked(const std::string& found) noexcept;

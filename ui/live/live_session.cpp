@@ -286,9 +286,9 @@ void LiveSession::mark(const Asked& asked) {
     }
 }
 
-void LiveSession::marked(const protocols::MarkReply& reply) {
+void LiveSession::marked(const protocols::MarkReply& reply, bool alarm) {
     reply_ = reply;
-    board_->marked(reply, std::exchange(reason_, {}));
+    board_->marked(reply, std::exchange(reason_, {}), alarm);
 }
 
 }  // namespace palpate::ui

@@ -49,7 +49,7 @@ public:
         trial_ = trial;
         markable_ = trial ? std::optional(board_->trial()) : markable_;
     }
-    void marked(const protocols::MarkReply& reply);
+    void marked(const protocols::MarkReply& reply, bool alarm);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
     /// "noted" | "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}.

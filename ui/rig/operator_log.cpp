@@ -112,9 +112,9 @@ std::optional<double> OperatorLog::minutes(std::size_t left) const {
 std::string OperatorLog::alarm() const {
     std::map<std::string, std::size_t> reasons;
     std::size_t lost = 0;
-    for (const auto& advice : advice_) {
-        lost += advice.empty() ? 0U : 1U;
-        for (const std::string& one : advice) {
+    for (const Ended& attempt : ended_) {
+        lost += attempt.advice.empty() ? 0U : 1U;
+        for (const std::string& one : attempt.advice) {
             ++reasons[one];
         }
     }
@@ -124,7 +124,7 @@ std::string OperatorLog::alarm() const {
     std::vector<std::pair<std::string, std::size_t>> by_number(reasons.begin(), reasons.end());
     std::ranges::stable_sort(by_number, {}, [](const auto& one) { return -int(one.second); });
     std::string text = fmt::format("ATTENTION: {} of the last {} trials do not count.", lost,
-                                   std::max(advice_.size(), kAlarm));
+                                   std::max(ended_.size(), kAlarm));
     for (const auto& [advice, times] : by_number) {
         text += fmt::format("\n    {} x {}", times, advice);
     }
@@ -144,12 +144,21 @@ std::string OperatorLog::line(const Progress& progress, const std::string& what,
     text += attempt > 1 ? fmt::format("  attempt {}", attempt) : "";
     text += fmt::format("  {}  ({})\n", outcome_text(progress, what), left_text(progress));
     if (over) {
-        advice_.push_back(advice_for(progress.result));
-        if (advice_.size() > kLookBack) {
-            advice_.pop_front();
+        ended_.push_back({progress.trial, advice_for(progress.result)});
+        if (ended_.size() > kLookBack) {
+            ended_.pop_front();
         }
     }
     return text + (lost ? alarm() : std::string());
+}
+
+std::string OperatorLog::marked(const protocols::MarkReply& reply) {
+    const auto attempt = std::ranges::find(ended_, reply.trial, &Ended::trial);
+    if (!reply.found || attempt == ended_.end()) {
+        return mark_text(reply);
+    }
+    attempt->advice = {"marked: what was wrong goes on unless somebody sees to it"};
+    return mark_text(reply) + alarm();
 }
 
 std::string go_on_command(const std::vector<std::string>& words) {

@@ -65,6 +65,8 @@ public:
     [[nodiscard]] std::string line(const protocols::Progress& progress,
                                    const std::string& what,
                                    double now_s);
+    /// What a mark came to; whatever it leaves out counts for the alarm, too.
+    [[nodiscard]] std::string marked(const protocols::MarkReply& reply);
 
     /// Until `left` trials are done at this person's pace; none: not known yet.
     [[nodiscard]] std::optional<double> minutes(std::size_t left) const;
@@ -80,7 +82,11 @@ private:
     std::vector<double>
         took_s_{};  ///< from one trial that need not run again to the next, in this run, without
                     ///< pauses and troubles
-    std::deque<std::vector<std::string>> advice_;  ///< of the last attempts; none: it counts
+    struct Ended {
+        protocols::TrialId trial = 0;
+        std::vector<std::string> advice;  ///< none: it counts
+    };
+    std::deque<Ended> ended_;  ///< the last attempts
 };
 
 /// As a shell takes it for one word.

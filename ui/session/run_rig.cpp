@@ -260,9 +260,9 @@ protocols::Ports ports_of(const RigSpec& spec,
                 },
             .paused = [](bool begins) { say("{}", pause_text(begins)); },
             .marked =
-                [&live](const protocols::MarkReply& reply) {
-                    say("{}", mark_text(reply));
-                    live.marked(reply);
+                [&](const protocols::MarkReply& reply) {
+                    say("{}", log.marked(reply));
+                    live.marked(reply, log.alarms());
                 },
             .desk = &desk};
 }

@@ -81,16 +81,18 @@ std::string find_font(const std::string& asked) {
 Unshown unshown(std::string_view text, const std::string& file) {
     const OpenFont font(file);
     refuse_if<std::runtime_error>(!font.trouble().empty(), "{}: {}", file, font.trouble());
+    Unshown found;
     while (!text.empty()) {
         const auto [code, length] = first_character(text);
         const std::size_t whole = std::max<std::size_t>(length, 1);
         const bool from_right = is_from_right(code);
-        if (code > 0x20 && (from_right || !font.has(code))) {
-            return {std::string(text.substr(0, whole)), from_right};
+        std::string& first = from_right ? found.from_right : found.lacking;
+        if (first.empty() && code > 0x20 && (from_right || !font.has(code))) {
+            first = text.substr(0, whole);
         }
         text.remove_prefix(whole);
     }
-    return {};
+    return found;
 }
 
 }  // namespace palpate::ui

@@ -11,10 +11,10 @@ namespace palpate::ui {
 
 /// What a screen does not show as it was meant.
 struct Unshown {
-    std::string character;    ///< UTF-8; empty: all is shown
-    bool from_right = false;  ///< of a script from right to left, which is not drawn so
+    std::string lacking;     ///< the first character that the font lacks, UTF-8; empty: none
+    std::string from_right;  ///< and of a script from right to left, which is not drawn so
 };
-/// The first character of `text` that the font `file` lacks, or that runs from right to left.
+/// Of `text` in the font `file`.
 /// @throws std::runtime_error if the font does not open
 [[nodiscard]] Unshown unshown(std::string_view text, const std::string& file);
 
