@@ -228,7 +228,7 @@ Table within_table(const StatsReport& report, const StatsPart& part) {
                  {Named{key, key == "confidence_area"       ? "confidence, area"
                              : key == "overconfidence"      ? "confidence less share correct"
                              : key.ends_with("since_break") ? of + ", a trial since the last break"
-                                                            : of + ", a trial of the session"}},
+                                                            : of + ", a main trial of the person"}},
                  test);
     }
     return table;
