@@ -55,6 +55,9 @@ double moved(StepScale scale, double level, double step) {
     return level;
 }
 
+/// A level is a bound if it is that close to it, relative.
+constexpr double kSame = 1e-9;
+
 /// @param size  > 0, of the numbers that were added up to x
 double twelve_digits(double x, double size) {
     constexpr double kDigitsPerBit = 0.30103;
@@ -86,13 +89,18 @@ void Staircase::begin_at(double level) {
 }
 
 void Staircase::place() {
+    const double step =
+        std::max(std::ranges::max(spec_.steps_up), std::ranges::max(spec_.steps_down));
+    const double by = twelve_digits(moved_, std::max(std::fabs(moved_), step));
+    const double there = moved(spec_.scale, base_, by);
     const bool linear = spec_.scale == StepScale::linear;
-    const auto bounded = [this](double level) {
-        return std::clamp(level, spec_.lowest, spec_.highest);
-    };
-    const double there = bounded(moved(spec_.scale, base_, moved_));
-    const double size = linear ? std::max(std::fabs(base_), std::fabs(moved_)) : there;
-    level_ = bounded(size > 0.0 ? twelve_digits(there, size) : there);
+    const double size = linear ? std::max(std::fabs(base_), std::fabs(by)) : there;
+    level_ =
+        std::clamp(size > 0.0 ? twelve_digits(there, size) : there, spec_.lowest, spec_.highest);
+    if (std::fabs(there - level_) > kSame * std::fabs(there)) {  // on from a bound that is no step
+        base_ = level_;
+        moved_ = 0.0;
+    }
 }
 
 void Staircase::update(double shown, bool right) {
@@ -120,9 +128,6 @@ void Staircase::move(int direction, double from) {
     const double step = steps[std::min(reversals_.size(), steps.size() - 1)];
     moved_ += direction > 0 ? step : -step;
     place();
-    if (level_ == spec_.lowest || level_ == spec_.highest) {
-        begin_at(level_);
-    }
 }
 
 bool Staircase::finished() const noexcept {
