@@ -1,12 +1,13 @@
 #pragma once
 
+#include "protocols/design/object_outline.hpp"
 #include "protocols/trial/trial_scene.hpp"
 
 namespace palpate::protocols {
 
 /// The compiled scene of what is felt in the plane.
 inline engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
-    return *make_felt_scene(protocol, felt).plane();
+    return {outline_of(protocol, felt.object), make_felt_scene(protocol, felt).plane()->spec()};
 }
 /// The same of a condition.
 inline engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
