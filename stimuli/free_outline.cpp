@@ -112,12 +112,6 @@ engine::NurbsCurve<2> curve_of(const Segment& segment, const Pose& pose) {
         engine::make_arc(points[0], points[1], segment.curvature / pose.size));
 }
 
-double gap_of(std::span<const Segment> segments) {
-    const auto last = curve_of(segments.back());
-    const auto first = curve_of(segments.front());
-    return glm::length(last.at(last.back()).point - first.at(first.front()).point);
-}
-
 std::shared_ptr<const engine::Outline> make_outline(std::span<const Segment> segments,
                                                     const Pose& pose) {
     std::vector<engine::NurbsCurve<2>> curves;

@@ -47,10 +47,6 @@ struct Segment {
 /// @throws std::invalid_argument saying what is wrong: NurbsCurve's and make_arc's words
 [[nodiscard]] engine::NurbsCurve<2> curve_of(const Segment& segment, const Pose& pose = {});
 
-/// Distance from the end of the last segment to the start of the first, m, before they are placed.
-/// @pre every curve_of() can be had; at least one
-[[nodiscard]] double gap_of(std::span<const Segment> segments);
-
 /// The placed, closed outline. @throws std::invalid_argument as Outline does
 [[nodiscard]] std::shared_ptr<const engine::Outline> make_outline(std::span<const Segment> segments,
                                                                   const Pose& pose = {});

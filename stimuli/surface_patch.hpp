@@ -24,8 +24,6 @@ struct SurfacePatch {
     double size = 0.060;       ///< along x and along y, m
     double curvature_x = 0.0;  ///< 1/m: > 0 bulges up, < 0 is hollow
     double curvature_y = 0.0;
-
-    friend bool operator==(const SurfacePatch&, const SurfacePatch&) = default;
 };
 
 /// The exact patch in a level rim: an arc of curvature_x in the plane y = 0, revolved about the

@@ -204,9 +204,6 @@ struct Meaning {
             "slope is\n  assumed (beta {:g}), so no JND is estimated.\n",
             one(), percent(spec.p_threshold), spec.beta);
     }
-    std::string operator()(const protocols::PsiSpec& spec) const {
-        return (*this)(quest_plus_spec(spec));
-    }
     std::string operator()(const protocols::QuestPlusSpec& spec) const {
         std::string text = "  Of the posterior: mean, sd, 95 % credible interval (on its grid).";
         if (!spec.model.shape) {

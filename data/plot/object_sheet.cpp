@@ -161,7 +161,7 @@ private:
                     ink);
             }
         } else if (object.segments.empty()) {
-            const stimuli::TwoCurve curves = object_of(protocol_, index);
+            const stimuli::TwoCurve curves = object_of(protocol_, object);
             out += fmt::format(
                 "<path d=\"M{}L{}L{}\" fill=\"none\" stroke=\"#666666\" stroke-width=\"0.8\" "
                 "stroke-dasharray=\"3 3\"/>\n",

@@ -301,8 +301,8 @@ protocols::RuleAnswer rule_answer(const SessionFrame& frame,
                                   const protocols::PlannedTrial& planned,
                                   double stimulus) {
     const protocols::Response given{
-        .place = static_cast<std::size_t>(response.integer("answer_code")),
-        .object = index_of(frame.protocol.objects, response.text("chosen_object"))};
+        {.place = static_cast<std::size_t>(response.integer("answer_code"))},
+        index_of(frame.protocol.objects, response.text("chosen_object"))};
     return {.run = planned.adaptive->run,
             .stimulus = stimulus,
             .outcome = outcome_of(frame.protocol, planned, given)};

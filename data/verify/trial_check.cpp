@@ -64,8 +64,7 @@ void check_simulated_answer(const SessionFrame& frame,
     }
     protocols::SimulatedObserver observer(
         frame.protocol, session_stream(frame.protocol_hash, frame.key, frame.seed),
-        frame.plan.picture_order, [] { return true; },
-        frame.person.value_or(protocols::Person{.spec = frame.protocol.observer}));
+        frame.plan.picture_order, [] { return true; }, frame.person);
     for (std::size_t i = 0; i < intervals.size(); ++i) {
         static_cast<void>(observer.ready({.interval = i + 1}));
         observer.feel(std::span(intervals[i].trace.ticks)

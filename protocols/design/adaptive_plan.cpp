@@ -12,24 +12,11 @@
 namespace palpate::protocols {
 namespace {
 
-std::size_t index_of(const std::vector<FrictionSpec>& specs, const std::string& name) {
-    const auto found = std::find_if(specs.begin(), specs.end(),
-                                    [&](const FrictionSpec& spec) { return spec.name == name; });
-    refuse_if(found == specs.end(), "there is no friction \"{}\"", name);
+template <class Spec>
+std::size_t index_of(const std::vector<Spec>& specs, std::string_view what, std::string_view name) {
+    const auto found = std::ranges::find(specs, name, &Spec::name);
+    refuse_if(found == specs.end(), "there is no {} \"{}\"", what, name);
     return static_cast<std::size_t>(found - specs.begin());
-}
-
-std::size_t index_of(const std::vector<ObjectSpec>& specs, const std::string& name) {
-    const auto found = std::find_if(specs.begin(), specs.end(),
-                                    [&](const ObjectSpec& spec) { return spec.name == name; });
-    refuse_if(found == specs.end(), "there is no object \"{}\"", name);
-    return static_cast<std::size_t>(found - specs.begin());
-}
-
-Pcg32 stream_of(StreamKey key, std::string_view purpose, std::size_t block = 0) {
-    key.purpose = purpose;
-    key.block = block;
-    return stream(key);
 }
 
 /// Runs as objects and intervals as frictions, for the sampler of orders.
@@ -74,14 +61,22 @@ std::vector<std::size_t> practice_intervals(const Protocol& protocol, Pcg32& ran
 }
 
 /// @param interval  of the comparison, from 0
-PlannedTrial trial_of(const Protocol& protocol, std::size_t run, std::size_t interval) {
+PlannedTrial trial_of(const Protocol& protocol,
+                      Phase phase,
+                      std::size_t run,
+                      std::size_t interval) {
     const RunSpec& of = protocol.runs.at(run);
-    const std::string& standard = of.standard_friction.empty() ? of.friction : of.standard_friction;
-    return {.condition = {index_of(protocol.objects, protocol.procedure->object),
-                          index_of(protocol.frictions, of.friction)},
-            .adaptive = AdaptiveTrial{.run = run,
-                                      .comparison = interval + 1,
-                                      .standard_friction = index_of(protocol.frictions, standard)}};
+    const auto friction = [&](const std::string& name) {
+        return index_of(protocol.frictions, "friction", name);
+    };
+    return {.phase = phase,
+            .condition = {index_of(protocol.objects, "object", protocol.procedure->object),
+                          friction(of.friction)},
+            .adaptive = AdaptiveTrial{
+                .run = run,
+                .comparison = interval + 1,
+                .standard_friction =
+                    friction(of.standard_friction.empty() ? of.friction : of.standard_friction)}};
 }
 
 }  // namespace
@@ -104,37 +99,42 @@ double felt_value(const AdaptiveSpec& spec, double stimulus) {
     return spec.stimulus_as == StimulusAs::log10 ? exponential(kLnOf10 * stimulus) : stimulus;
 }
 
-std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
-                                          const StreamKey& key,
-                                          Plan& plan) {
+std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
+    std::vector<ObjectSpec> objects;
+    if (!protocol.procedure || protocol.procedure->varies != Varies::curvature) {
+        return objects;
+    }
     const AdaptiveSpec& spec = *protocol.procedure;
-    std::vector<PlannedTrial> trials;
-    const auto add = [&](Phase phase, std::size_t run, std::size_t interval, bool rest) {
-        trials.push_back(trial_of(protocol, run, interval));
-        trials.back().position = trials.size() - 1;
-        trials.back().phase = phase;
-        trials.back().break_before = rest;
-    };
-    Pcg32 practice = stream_of(key, purpose::practice_order);
+    const auto base = std::ranges::find(protocol.objects, spec.object, &ObjectSpec::name);
+    if (base != protocol.objects.end()) {
+        for (const double x : {spec.lowest, spec.highest}) {
+            objects.push_back(*base);
+            objects.back().curvature = felt_value(spec, x);
+        }
+    }
+    return objects;
+}
+
+void add_adaptive_trials(const Protocol& protocol, const StreamKey& key, Plan& plan) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    Pcg32 practice = stream(key, purpose::practice_order);
     const std::vector<std::size_t> practised = practice_intervals(protocol, practice);
     for (std::size_t i = 0; i < spec.practice_trials; ++i) {
-        add(Phase::practice, i % protocol.runs.size(), practised[i], false);
+        plan.trials.push_back(
+            trial_of(protocol, Phase::practice, i % protocol.runs.size(), practised[i]));
     }
-    Pcg32 extra = stream_of(key, purpose::main_order, 1);
+    Pcg32 extra = stream(key, purpose::main_order, 1);
     OrderSampler sampler(
         run_intervals(protocol, extra),
         {.object = spec.max_run, .friction = spec.max_run_interval, .words = {"run", "interval"}});
-    Pcg32 random = stream_of(key, purpose::main_order);
+    Pcg32 random = stream(key, purpose::main_order);
     const ConstrainedOrder drawn = sampler.draw(random);
     plan.attempts = drawn.attempts;
     plan.way = drawn.way;
-    const std::size_t every = protocol.design.break_every;
-    for (std::size_t i = 0; i < drawn.order.size(); ++i) {
-        const bool begins = i == 0 && spec.practice_trials > 0;
-        const bool due = i > 0 && every > 0 && i % every == 0;
-        add(Phase::main, drawn.order[i].object, drawn.order[i].friction, begins || due);
+    for (const Condition& one : drawn.order) {
+        plan.trials.push_back(trial_of(protocol, Phase::main, one.object, one.friction));
     }
-    return trials;
+    place(plan.trials, spec.practice_trials, protocol.design.break_every);
 }
 
 StreamKey run_key(StreamKey key, std::size_t run) {

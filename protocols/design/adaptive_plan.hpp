@@ -21,7 +21,11 @@ namespace palpate::protocols {
 /// What is felt when the rule chooses `stimulus`: 1/m, mu_s or mm/N.
 [[nodiscard]] double felt_value(const AdaptiveSpec& spec, double stimulus);
 
-/// The trials of such a session, the practice first.
+/// The least and the largest curvature of the object that the rule can make, as objects: what holds
+/// for both ends holds between them. None where it varies no curvature, or names no object.
+[[nodiscard]] std::vector<ObjectSpec> extreme_objects(const Protocol& protocol);
+
+/// Plans the trials of such a session, the practice first.
 ///
 /// Every run has as many trials as its rule needs, one half with the comparison in the first
 /// interval, one half in the second; of an odd number the stream order.main, block 1, draws which
@@ -32,9 +36,7 @@ namespace palpate::protocols {
 ///
 /// @param key  of the session, purpose and block are set here
 /// @throws OrderError if no order keeps the limits
-[[nodiscard]] std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
-                                                        const StreamKey& key,
-                                                        Plan& plan);
+void add_adaptive_trials(const Protocol& protocol, const StreamKey& key, Plan& plan);
 
 /// The stream of a run's rule.
 [[nodiscard]] StreamKey run_key(StreamKey key, std::size_t run);

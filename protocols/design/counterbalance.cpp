@@ -1,11 +1,38 @@
 #include "protocols/design/counterbalance.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
 
 namespace palpate::protocols {
+namespace {
+
+/// Finds recorded orders, as names of levels, among `rows`. An order that is none of them counts
+/// for nothing.
+template <class Spec>
+RowHistory row_history(const std::vector<std::vector<std::size_t>>& rows,
+                       const std::vector<Spec>& levels,
+                       std::span<const std::vector<std::string>> others,
+                       const std::vector<std::string>& own) {
+    const auto row_of = [&](const std::vector<std::string>& order) -> std::optional<std::size_t> {
+        const auto found = std::ranges::find_if(rows, [&](const std::vector<std::size_t>& row) {
+            return std::ranges::equal(row, order, {}, [&](std::size_t level) -> const std::string& {
+                return levels[level].name;
+            });
+        });
+        return found == rows.end() ? std::nullopt
+                                   : std::optional(static_cast<std::size_t>(found - rows.begin()));
+    };
+    RowHistory history{.uses = std::vector<std::size_t>(rows.size(), 0), .own = row_of(own)};
+    for (const auto& order : others) {
+        if (const auto row = row_of(order)) {
+            ++history.uses[*row];
+        }
+    }
+    return history;
+}
+
+}  // namespace
 
 std::size_t choose_row(std::size_t rows, const RowHistory& history, Pcg32& random) {
     if (history.own && *history.own < rows) {
@@ -40,9 +67,7 @@ std::vector<std::vector<std::size_t>> williams_rows(std::size_t n) {
     if (n % 2 == 1) {
         // An odd n balances the pairs only together with the mirror images.
         for (std::size_t i = 0; i < n; ++i) {
-            std::vector<std::size_t> mirrored = rows[i];
-            std::reverse(mirrored.begin(), mirrored.end());
-            rows.push_back(std::move(mirrored));
+            rows.emplace_back(rows[i].rbegin(), rows[i].rend());
         }
     }
     return rows;
@@ -62,34 +87,10 @@ std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol) {
     return rows;
 }
 
-RowHistory row_history(std::span<const std::vector<std::string>> rows,
-                       std::span<const std::vector<std::string>> others,
-                       const std::vector<std::string>& own) {
-    const auto row_of = [&](const std::vector<std::string>& order) -> std::optional<std::size_t> {
-        const auto found = std::find(rows.begin(), rows.end(), order);
-        return found == rows.end() ? std::nullopt
-                                   : std::optional(static_cast<std::size_t>(found - rows.begin()));
-    };
-    RowHistory history{.uses = std::vector<std::size_t>(rows.size(), 0), .own = row_of(own)};
-    for (const auto& order : others) {
-        if (const auto row = row_of(order)) {
-            ++history.uses[*row];
-        }
-    }
-    return history;
-}
-
 RowHistory picture_history(const Protocol& protocol,
                            std::span<const std::vector<std::string>> others,
                            const std::vector<std::string>& own) {
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& row : picture_rows(protocol)) {
-        auto& names = rows.emplace_back();
-        for (const std::size_t object : row) {
-            names.push_back(protocol.objects[object].name);
-        }
-    }
-    return row_history(rows, others, own);
+    return row_history(picture_rows(protocol), protocol.objects, others, own);
 }
 
 bool in_friction_blocks(const DesignSpec& design) noexcept {
@@ -122,17 +123,9 @@ std::vector<std::vector<std::size_t>> friction_rows(const Protocol& protocol) {
 RowHistory friction_history(const Protocol& protocol,
                             std::span<const std::vector<std::string>> others,
                             const std::vector<std::string>& own) {
-    if (!in_friction_blocks(protocol.design)) {
-        return {};
-    }
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& row : friction_rows(protocol)) {
-        auto& names = rows.emplace_back();
-        for (const std::size_t friction : row) {
-            names.push_back(protocol.frictions[friction].name);
-        }
-    }
-    return row_history(rows, others, own);
+    return in_friction_blocks(protocol.design)
+             ? row_history(friction_rows(protocol), protocol.frictions, others, own)
+             : RowHistory{};
 }
 
 std::vector<std::size_t> friction_of_blocks(const DesignSpec& design,
@@ -178,49 +171,6 @@ std::string why_not_in_blocks(const Protocol& protocol) {
             design.blocks);
     }
     return {};
-}
-
-std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random) {
-    std::vector<std::size_t> places(main + catches - 1);
-    std::iota(places.begin(), places.end(), std::size_t{1});
-    shuffle(std::span(places), random);
-    std::vector<bool> is_catch(main + catches, false);
-    for (std::size_t i = 0; i < catches; ++i) {
-        is_catch[places[i]] = true;
-    }
-    return is_catch;
-}
-
-std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
-                                         std::size_t of_block,
-                                         std::span<const std::size_t> frictions,
-                                         std::span<const Condition> catches,
-                                         Pcg32& random) {
-    std::vector<std::size_t> blocks(frictions.size());
-    std::iota(blocks.begin(), blocks.end(), std::size_t{0});
-    shuffle(std::span(blocks), random);
-    std::vector<std::vector<Condition>> of(frictions.size());
-    for (const Condition& condition : catches) {
-        // The first in that order which has fewest so far.
-        std::optional<std::size_t> chosen;
-        for (const std::size_t block : blocks) {
-            if (frictions[block] == condition.friction &&
-                (!chosen || of[block].size() < of[*chosen].size())) {
-                chosen = block;
-            }
-        }
-        of.at(chosen.value()).push_back(condition);
-    }
-    std::vector<MainTrial> trials;
-    for (std::size_t block = 0; block < of.size(); ++block) {
-        std::size_t next_main = block * of_block;
-        std::size_t next_catch = 0;
-        for (const bool a_catch : catch_places(of_block, of[block].size(), random)) {
-            trials.push_back(a_catch ? MainTrial{Phase::catch_trial, of[block][next_catch++], block}
-                                     : MainTrial{Phase::main, main[next_main++], block});
-        }
-    }
-    return trials;
 }
 
 }  // namespace palpate::protocols

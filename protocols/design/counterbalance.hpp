@@ -41,12 +41,6 @@ struct RowHistory {
 /// pictures are shown.
 [[nodiscard]] std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol);
 
-/// Finds recorded orders, as names of levels, among `rows`. An order that is none of them counts
-/// for nothing.
-[[nodiscard]] RowHistory row_history(std::span<const std::vector<std::string>> rows,
-                                     std::span<const std::vector<std::string>> others,
-                                     const std::vector<std::string>& own);
-
 /// Finds recorded orders, as names from left to right, among picture_rows(). An order that is none
 /// of them belongs to another version of the protocol and counts for nothing.
 [[nodiscard]] RowHistory picture_history(const Protocol& protocol,
@@ -90,28 +84,5 @@ struct RowHistory {
 
 /// Why the design cannot be had in friction blocks, with a remedy; empty if it can.
 [[nodiscard]] std::string why_not_in_blocks(const Protocol& protocol);
-
-/// A trial of the main phase before it has a position.
-struct MainTrial {
-    Phase phase = Phase::main;
-    Condition condition{};
-    std::size_t block = 0;
-
-    friend bool operator==(const MainTrial&, const MainTrial&) = default;
-};
-
-/// For every place of so many trials, whether a catch trial goes there. Never the first.
-[[nodiscard]] std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random);
-
-/// Puts catch trials among the main ones of their own friction. The catch trials of a friction are
-/// dealt round its blocks in a random order, so that these hold equally many or one more; within a
-/// block their places are uniform over all but the first.
-/// @param main     block by block, each of `of_block` trials, frictions[b] the one of block b
-/// @param catches  of any of these frictions, in random order
-[[nodiscard]] std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
-                                                       std::size_t of_block,
-                                                       std::span<const std::size_t> frictions,
-                                                       std::span<const Condition> catches,
-                                                       Pcg32& random);
 
 }  // namespace palpate::protocols

@@ -19,10 +19,6 @@ stimuli::TwoCurve object_of(const Protocol& protocol, const ObjectSpec& spec) {
             .curvature = spec.curvature / spec.size};
 }
 
-stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
-    return object_of(protocol, protocol.objects.at(object));
-}
-
 std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
                                                   const ObjectSpec& spec) {
     return spec.segments.empty() ? stimuli::make_outline(object_of(protocol, spec))
@@ -45,7 +41,7 @@ std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t ob
     if (protocol.surface) {
         return stimuli::drawing_of(*surface_of(protocol, spec)).border;
     }
-    return spec.segments.empty() ? stimuli::silhouette(object_of(protocol, object))
+    return spec.segments.empty() ? stimuli::silhouette(object_of(protocol, spec))
                                  : stimuli::silhouette(*outline_of(protocol, object));
 }
 

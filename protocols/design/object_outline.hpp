@@ -13,9 +13,7 @@
 /// hashed.
 namespace palpate::protocols {
 
-/// The object as two curves, placed. @pre it is one: without segments
-[[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object);
-/// The same of an object that need not be one of the protocol's, on its [outline].
+/// The object as two curves on the protocol's [outline], placed. @pre it is one: without segments
 [[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, const ObjectSpec& spec);
 
 /// @throws std::invalid_argument if it cannot be built; no object read from a file is like that

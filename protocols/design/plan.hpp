@@ -44,8 +44,6 @@ struct SessionKey {
     std::string participant;
     std::size_t session = 1;  ///< 1, 2, ...
     std::string secret{};     ///< of the file, StreamKey::secret; empty: an example
-
-    friend bool operator==(const SessionKey&, const SessionKey&) = default;
 };
 
 /// The whole session, complete before its first trial.
@@ -62,6 +60,10 @@ struct Plan {
 
     friend bool operator==(const Plan&, const Plan&) = default;
 };
+
+/// Numbers the trials, and puts breaks: before the first one after `practice` of them, if there are
+/// any, and before every break_every-th of the main and catch trials, 0: none.
+void place(std::vector<PlannedTrial>& trials, std::size_t practice, std::size_t break_every);
 
 // The cells of a design.
 

@@ -43,9 +43,8 @@ inline constexpr double kChoiceSeconds = 3.0;  ///< to choose among the pictures
 /// How long a session takes, s, without instructions and without trials that are run again.
 struct Duration {
     double shortest = 0.0;  ///< every trial felt for explore_min, no time for ready and choice
-    double prompted =
-        0.0;               ///< every trial felt until explore_prompt, kReadySeconds, kChoiceSeconds
-    double longest = 0.0;  ///< every trial felt until explore_timeout, else as prompted
+    double prompted = 0.0;  ///< felt until explore_prompt, kReadySeconds and kChoiceSeconds beside
+    double longest = 0.0;   ///< every trial felt until explore_timeout, else as prompted
 };
 
 /// A trial is ready + force in + explore + force out + choice + gap; a break is break_min.

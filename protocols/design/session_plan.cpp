@@ -1,6 +1,7 @@
 #include "protocols/design/session_plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -87,14 +88,6 @@ void refuse(const Protocol& protocol) {
         counted(conditions, "condition"), counted(conditions, "repetition"));
 }
 
-/// The main trials, block by block. A trial that only leads in stands before the first.
-struct MainTrials {
-    std::optional<Condition> lead_in;
-    std::vector<Condition> order;
-    std::uint64_t attempts = 0;
-    OrderWay way = OrderWay::shuffles;
-};
-
 /// The trials so far go on with these within the limits, which each of both keeps in itself.
 bool goes_on(std::span<const Condition> so_far,
              std::span<const Condition> with,
@@ -108,22 +101,22 @@ bool goes_on(std::span<const Condition> so_far,
            }) == whole.end();
 }
 
+/// The main trials, block by block; a trial that only leads in is planned before them.
 /// @param frictions  the one of each block, where they are not interleaved
-template <class StreamOfBlock>
-MainTrials main_trials(const Protocol& protocol,
-                       std::span<const std::size_t> frictions,
-                       const StreamOfBlock& stream_of) {
+std::vector<Condition> main_trials(const Protocol& protocol,
+                                   std::span<const std::size_t> frictions,
+                                   const StreamKey& of_session,
+                                   Plan& plan) {
     const DesignSpec& design = protocol.design;
-    MainTrials main;
+    std::vector<Condition> main;
     if (design.order == OrderRule::first_order) {
         const std::vector<Condition> conditions = factorial(protocol, 1);
-        Pcg32 random = stream_of(0);
+        Pcg32 random = stream(of_session, purpose::main_order);
         for (const std::size_t symbol : eulerian_order(conditions.size(), random)) {
-            main.order.push_back(conditions[symbol]);
+            main.push_back(conditions[symbol]);
         }
-        main.lead_in = main.order.front();
-        main.order.erase(main.order.begin());
-        main.attempts = 1;
+        plan.trials.push_back({.phase = Phase::practice, .condition = main.front()});
+        main.erase(main.begin());
         return main;
     }
     const RunLimits limits = block_limits(design);
@@ -135,104 +128,87 @@ MainTrials main_trials(const Protocol& protocol,
     for (std::size_t i = 0; i < (frictions.empty() ? 1 : protocol.frictions.size()); ++i) {
         samplers.emplace_back(block_trials(protocol, i), limits);
     }
+    plan.attempts = 0;
     for (std::size_t block = 0; block < block_count(protocol); ++block) {
-        Pcg32 random = stream_of(block);
+        Pcg32 random = stream(of_session, purpose::main_order, block);
         OrderSampler& sampler = samplers[frictions.empty() ? 0 : frictions[block]];
         ConstrainedOrder drawn;
         do {  // levels come equally often: one in four begins with another object and friction
             drawn = sampler.draw(random);
-            main.attempts += drawn.attempts;
-        } while (!goes_on(main.order, drawn.order, limits));
-        main.order.insert(main.order.end(), drawn.order.begin(), drawn.order.end());
-        main.way = drawn.way;
+            plan.attempts += drawn.attempts;
+        } while (!goes_on(main, drawn.order, limits));
+        main.insert(main.end(), drawn.order.begin(), drawn.order.end());
+        plan.way = drawn.way;
     }
     return main;
 }
 
-/// Appends trials in order and counts the breaks.
-class Writer {
-public:
-    Writer(Plan& plan, std::size_t break_every) : plan_(plan), break_every_(break_every) {}
-
-    void practice(const Condition& condition, bool break_before = false) {
-        add(Phase::practice, condition, break_before, 0);
+/// For every place of so many trials, whether a catch trial goes there. Never the first.
+std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random) {
+    std::vector<std::size_t> places(main + catches - 1);
+    std::iota(places.begin(), places.end(), std::size_t{1});
+    shuffle(std::span(places), random);
+    std::vector<bool> is_catch(main + catches, false);
+    for (std::size_t i = 0; i < catches; ++i) {
+        is_catch[places[i]] = true;
     }
-    void main_phase(Phase phase, const Condition& condition, bool begins, std::size_t block) {
-        const bool due = main_ > 0 && break_every_ > 0 && main_ % break_every_ == 0;
-        add(phase, condition, begins || due, block);
-        ++main_;
-    }
-
-private:
-    void add(Phase phase, const Condition& condition, bool break_before, std::size_t block) {
-        plan_.trials.push_back({plan_.trials.size(), phase, condition, break_before, block});
-    }
-
-    Plan& plan_;
-    std::size_t break_every_;
-    std::size_t main_ = 0;
-};
-
-/// Main and catch trials, after a break if there was practice: before the trial that leads in, if
-/// any.
-void write_main(Writer& writer,
-                const std::optional<Condition>& lead_in,
-                std::span<const MainTrial> trials,
-                bool practised) {
-    if (lead_in) {
-        writer.practice(*lead_in, practised);
-    }
-    bool begins = practised && !lead_in;
-    for (const MainTrial& trial : trials) {
-        writer.main_phase(trial.phase, trial.condition, begins, trial.block);
-        begins = false;
-    }
+    return is_catch;
 }
 
-/// Catch trials anywhere among the main ones but first.
-std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
-                                         std::size_t blocks,
-                                         std::span<const Condition> catches,
-                                         Pcg32& random) {
-    std::vector<MainTrial> trials;
+/// Plans main trials of so many blocks, as large as each other, with catch trials anywhere among
+/// them but first. @param first  number of the first block
+void add_blocks(std::span<const Condition> main,
+                std::size_t first,
+                std::size_t blocks,
+                std::span<const Condition> catches,
+                Pcg32& random,
+                Plan& plan) {
     std::size_t next_main = 0;
     std::size_t next_catch = 0;
-    const std::size_t of_block = main.size() / blocks;
     for (const bool a_catch : catch_places(main.size(), catches.size(), random)) {
-        const std::size_t block = std::min(next_main / of_block, blocks - 1);
-        trials.push_back(a_catch ? MainTrial{Phase::catch_trial, catches[next_catch++], block}
-                                 : MainTrial{Phase::main, main[next_main++], block});
+        const std::size_t block = first + std::min(next_main * blocks / main.size(), blocks - 1);
+        plan.trials.push_back({.phase = a_catch ? Phase::catch_trial : Phase::main,
+                               .condition = a_catch ? catches[next_catch++] : main[next_main++],
+                               .block = block});
     }
-    return trials;
 }
 
-/// One of the streams of a session. Session 0: one for all sessions of the participant.
-Pcg32 stream_for(StreamKey key, std::string_view purpose, std::size_t block = 0) {
-    key.block = block;
-    key.purpose = purpose;
-    return stream(key);
+/// The catch trials of each block, all of its own friction: those of a friction are dealt round its
+/// blocks in a random order, so that these hold equally many or one more.
+/// @param frictions  of each block
+/// @param catches    of any of these frictions, in random order
+std::vector<std::vector<Condition>> catches_by_block(std::span<const std::size_t> frictions,
+                                                     std::span<const Condition> catches,
+                                                     Pcg32& random) {
+    std::vector<std::size_t> blocks(frictions.size());
+    std::iota(blocks.begin(), blocks.end(), std::size_t{0});
+    shuffle(std::span(blocks), random);
+    std::vector<std::vector<Condition>> of(frictions.size());
+    for (const Condition& condition : catches) {
+        // The first in that order which has fewest so far.
+        std::optional<std::size_t> chosen;
+        for (const std::size_t block : blocks) {
+            if (frictions[block] == condition.friction &&
+                (!chosen || of[block].size() < of[*chosen].size())) {
+                chosen = block;
+            }
+        }
+        of.at(chosen.value()).push_back(condition);
+    }
+    return of;
 }
+
+/// A stream for all sessions of the participant.
 Pcg32 stream_for_all(StreamKey key, std::string_view purpose) {
     key.session = 0;
-    return stream_for(std::move(key), purpose);
-}
-
-void choose_pictures(const Protocol& protocol,
-                     const StreamKey& of_session,
-                     const RowHistory& pictures,
-                     Plan& plan) {
-    const auto rows = picture_rows(protocol);
-    Pcg32 picture_stream = stream_for_all(of_session, purpose::pictures);
-    plan.picture_order = rows[choose_row(rows.size(), pictures, picture_stream)];
+    return stream(std::move(key), purpose);
 }
 
 /// The main trials with the catch trials between them.
 void add_main_trials(const Protocol& protocol,
                      const StreamKey& of_session,
                      const RowHistory& frictions,
-                     bool practised,
-                     Plan& plan,
-                     Writer& writer) {
+                     Plan& plan) {
     const DesignSpec& design = protocol.design;
     std::vector<std::size_t> friction_of;
     if (in_friction_blocks(design)) {
@@ -240,48 +216,41 @@ void add_main_trials(const Protocol& protocol,
         Pcg32 random = stream_for_all(of_session, purpose::friction_blocks);
         friction_of = friction_of_blocks(design, rows[choose_row(rows.size(), frictions, random)]);
     }
-    const MainTrials main = main_trials(protocol, friction_of, [&](std::size_t block) {
-        return stream_for(of_session, purpose::main_order, block);
-    });
-    plan.attempts = main.attempts;
-    plan.way = main.way;
-    Pcg32 catch_stream = stream_for(of_session, purpose::catch_trials);
-    const std::vector<Condition> catches =
-        catch_conditions(protocol, design.catch_trials, catch_stream);
+    const std::vector<Condition> main = main_trials(protocol, friction_of, of_session, plan);
+    Pcg32 random = stream(of_session, purpose::catch_trials);
+    const std::vector<Condition> catches = catch_conditions(protocol, design.catch_trials, random);
     const std::size_t blocks = block_count(protocol);
-    write_main(writer, main.lead_in,
-               friction_of.empty() ? with_catch_trials(main.order, blocks, catches, catch_stream)
-                                   : with_catch_trials(main.order, main.order.size() / blocks,
-                                                       friction_of, catches, catch_stream),
-               practised);
+    if (friction_of.empty()) {
+        add_blocks(main, 0, blocks, catches, random, plan);
+        return;
+    }
+    const auto own = catches_by_block(friction_of, catches, random);
+    const std::size_t size = main.size() / blocks;
+    for (std::size_t block = 0; block < blocks; ++block) {
+        add_blocks(std::span(main).subspan(block * size, size), block, 1, own[block], random, plan);
+    }
 }
 
-Plan adaptive_plan(const Protocol& protocol,
-                   std::string_view protocol_hash,
-                   const SessionKey& key,
-                   std::uint64_t seed,
-                   const RowHistory& pictures) {
-    const StreamKey of_session = session_stream(protocol_hash, key, seed);
-    Plan plan;
-    plan.trials = adaptive_trials(protocol, of_session, plan);
-    choose_pictures(protocol, of_session, pictures, plan);
-    plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed) +
-                           rule_lines(protocol, of_session));
-    return plan;
+void add_factorial_trials(const Protocol& protocol,
+                          const StreamKey& of_session,
+                          const RowHistory& frictions,
+                          Plan& plan) {
+    refuse(protocol);
+    std::vector<Condition> practice = factorial(protocol, protocol.design.practice_repetitions);
+    Pcg32 random = stream(of_session, purpose::practice_order);
+    shuffle(std::span(practice), random);
+    for (const Condition& condition : practice) {
+        plan.trials.push_back({.phase = Phase::practice, .condition = condition});
+    }
+    add_main_trials(protocol, of_session, frictions, plan);
+    place(plan.trials, practice.size(), protocol.design.break_every);
 }
 
 }  // namespace
 
 std::string_view to_string(Phase phase) noexcept {
-    switch (phase) {
-        case Phase::practice:
-            return "practice";
-        case Phase::main:
-            return "main";
-        case Phase::catch_trial:
-            return "catch";
-    }
-    return "?";
+    constexpr std::array<std::string_view, 3> kWords{"practice", "main", "catch"};
+    return kWords[static_cast<std::size_t>(phase)];
 }
 
 StreamKey session_stream(std::string_view protocol_hash,
@@ -301,23 +270,18 @@ Plan make_plan(const Protocol& protocol,
                std::uint64_t seed,
                const RowHistory& pictures,
                const RowHistory& frictions) {
-    if (protocol.procedure) {
-        return adaptive_plan(protocol, protocol_hash, key, seed, pictures);
-    }
-    refuse(protocol);
     const StreamKey of_session = session_stream(protocol_hash, key, seed);
     Plan plan;
-    Writer writer(plan, protocol.design.break_every);
-
-    std::vector<Condition> practice = factorial(protocol, protocol.design.practice_repetitions);
-    Pcg32 practice_stream = stream_for(of_session, purpose::practice_order);
-    shuffle(std::span(practice), practice_stream);
-    for (const Condition& condition : practice) {
-        writer.practice(condition);
+    if (protocol.procedure) {
+        add_adaptive_trials(protocol, of_session, plan);
+    } else {
+        add_factorial_trials(protocol, of_session, frictions, plan);
     }
-    add_main_trials(protocol, of_session, frictions, !practice.empty(), plan, writer);
-    choose_pictures(protocol, of_session, pictures, plan);
-    plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed));
+    const auto rows = picture_rows(protocol);
+    Pcg32 random = stream_for_all(of_session, purpose::pictures);
+    plan.picture_order = rows[choose_row(rows.size(), pictures, random)];
+    plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed) +
+                           (protocol.procedure ? rule_lines(protocol, of_session) : ""));
     return plan;
 }
 

@@ -49,4 +49,10 @@ Pcg32 stream(const StreamKey& key) {
     return {big_endian(bytes.subspan<0, 8>()), big_endian(bytes.subspan<8, 8>())};
 }
 
+Pcg32 stream(StreamKey key, std::string_view purpose, std::size_t block) {
+    key.purpose = purpose;
+    key.block = block;
+    return stream(key);
+}
+
 }  // namespace palpate::protocols

@@ -67,5 +67,7 @@ inline constexpr std::array all = {
 /// The stream of `key`: bytes 0-7 of SHA-256(canonical text), big-endian, are the generator's
 /// initstate and bytes 8-15 its initseq.
 [[nodiscard]] Pcg32 stream(const StreamKey& key);
+/// The stream of the same key for another purpose and block.
+[[nodiscard]] Pcg32 stream(StreamKey key, std::string_view purpose, std::size_t block = 0);
 
 }  // namespace palpate::protocols

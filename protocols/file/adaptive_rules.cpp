@@ -16,6 +16,7 @@
 #include "protocols/file/keys.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/file/rules.hpp"
+#include "protocols/file/table_schema.hpp"
 #include "protocols/procedure/procedure.hpp"
 
 namespace palpate::protocols {
@@ -26,15 +27,9 @@ constexpr std::array<std::string_view, 7> kTablesOfRules{"constant", "staircase"
 /// As [[friction]] has it.
 constexpr double kMaxMu = 10.0;
 
-bool of_the_rule(std::string_view key) {
-    const Keys keys = procedure_keys("procedure");
-    return std::any_of(keys.begin(), keys.end(), [key](const Key& row) { return row.name == key; });
-}
-
 template <class Spec>
 const Spec* named(const std::vector<Spec>& specs, std::string_view name) {
-    const auto found =
-        std::find_if(specs.begin(), specs.end(), [&](const Spec& s) { return s.name == name; });
+    const auto found = std::ranges::find(specs, name, &Spec::name);
     return found == specs.end() ? nullptr : &*found;
 }
 
@@ -48,40 +43,18 @@ std::string one_of(std::string_view unknown, const std::vector<Spec>& specs) {
     return suggestion(unknown, names, fmt::format(": give {}", fmt::join(names, " or ")));
 }
 
-/// Where everything in a table stands, down to the last key.
-void note_places(const Table& table, const std::string& path, Places& places);
-
+/// Where everything in a value stands, down to the last key.
 void note_places(const Value& value, const std::string& path, Places& places) {
     places.note(path, value.at);
     if (const auto* table = std::get_if<Table>(&value.data)) {
-        note_places(*table, path, places);
+        for (const Entry& entry : *table) {
+            note_places(entry.value, path + '.' + entry.key, places);
+        }
     } else if (const auto* array = std::get_if<Array>(&value.data)) {
         for (std::size_t i = 0; i < array->size(); ++i) {
             note_places((*array)[i], fmt::format("{}.{}", path, i + 1), places);
         }
     }
-}
-
-void note_places(const Table& table, const std::string& path, Places& places) {
-    for (const Entry& entry : table) {
-        note_places(entry.value, path + '.' + entry.key, places);
-    }
-}
-
-/// Every object that the rule can make of the procedure's, at the ends of what it may choose: what
-/// holds for both ends holds between them. Without curvature to vary: none.
-std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
-    std::vector<ObjectSpec> objects;
-    const ObjectSpec* base =
-        protocol.procedure ? named(protocol.objects, protocol.procedure->object) : nullptr;
-    if (base == nullptr || protocol.procedure->varies != Varies::curvature) {
-        return objects;
-    }
-    for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
-        ObjectSpec& object = objects.emplace_back(*base);
-        object.curvature = felt_value(*protocol.procedure, x);
-    }
-    return objects;
 }
 
 class AdaptiveRules : RuleCheck {
@@ -90,11 +63,9 @@ public:
         : RuleCheck(protocol, places, problems), spec_(*protocol.procedure) {}
 
     void check() {
-        if (named(protocol_.objects, spec_.object) == nullptr) {
-            add("procedure.object",
-                fmt::format("object is \"{}\", which no [[object]] is called{}", spec_.object,
-                            one_of(spec_.object, protocol_.objects)));
-        }
+        add_if(named(protocol_.objects, spec_.object) == nullptr, "procedure.object",
+               "object is \"{}\", which no [[object]] is called{}", spec_.object,
+               one_of(spec_.object, protocol_.objects));
         runs();
         answers();
         design();
@@ -134,10 +105,9 @@ private:
     }
 
     void friction(const std::string& path, std::string_view key, const std::string& name) {
-        if (named(protocol_.frictions, name) == nullptr) {
-            add(path, fmt::format("{} is \"{}\", which no [[friction]] is called{}", key, name,
-                                  one_of(name, protocol_.frictions)));
-        }
+        add_if(named(protocol_.frictions, name) == nullptr, path,
+               "{} is \"{}\", which no [[friction]] is called{}", key, name,
+               one_of(name, protocol_.frictions));
     }
 
     void answers() {
@@ -179,18 +149,18 @@ private:
         if (protocol_.surface) {
             return;  // said with the objects
         }
-        if (!differ_in_curvature_alone(protocol_)) {
-            add("procedure.varies",
-                "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "
-                "turn or an offset: give objects a curvature_per_m alone");
+        if (add_if(!differ_in_curvature_alone(protocol_), "procedure.varies",
+                   "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "
+                   "turn or an offset: give objects a curvature_per_m alone")) {
             return;
         }
         for (const ObjectSpec& object : extreme_objects(protocol_)) {
-            if (const std::string why = why_not(object.curvature); !why.empty()) {
-                add(object.curvature == felt_value(spec_, spec_.lowest) ? lowest() : highest(),
-                    fmt::format("the rule may choose a curvature of {} 1/m, and there is no such "
-                                "object: {}; narrow the stimuli, or lowest and highest",
-                                object.curvature, why));
+            const std::string why = why_not(object.curvature);
+            if (add_if(!why.empty(),
+                       object.curvature == felt_value(spec_, spec_.lowest) ? lowest() : highest(),
+                       "the rule may choose a curvature of {} 1/m, and there is no such object: "
+                       "{}; narrow the stimuli, or lowest and highest",
+                       object.curvature, why)) {
                 return;
             }
         }
@@ -206,11 +176,11 @@ private:
                lowest, highest, kMaxMu);
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
-            if (base != nullptr && !(base->mu_s > 0.0)) {
-                add(fmt::format("run.{}.friction", i + 1),
-                    fmt::format("friction is \"{}\", which is {} with mu_s = {}: the rule varies "
-                                "mu_s; name one that rubs, for instance with law \"gos\"",
-                                base->name, base->law, base->mu_s));
+            if (base != nullptr) {
+                add_if(!(base->mu_s > 0.0), fmt::format("run.{}.friction", i + 1),
+                       "friction is \"{}\", which is {} with mu_s = {}: the rule varies mu_s; name "
+                       "one that rubs, for instance with law \"gos\"",
+                       base->name, base->law, base->mu_s);
             }
         }
     }
@@ -225,10 +195,11 @@ private:
                "{}, by the stimuli, or lowest and highest",
                lowest, highest, kMax);
         const ObjectSpec* base = named(protocol_.objects, spec_.object);
-        if (base != nullptr && !base->segments.empty()) {
-            add("procedure.object", fmt::format("object is \"{}\", a free form: a compliance is of "
-                                                "two curves, give an object with curvature_per_m",
-                                                base->name));
+        if (base != nullptr) {
+            add_if(!base->segments.empty(), "procedure.object",
+                   "object is \"{}\", a free form: a compliance is of two curves, give an object "
+                   "with curvature_per_m",
+                   base->name);
         }
     }
 
@@ -246,31 +217,6 @@ private:
     const AdaptiveSpec& spec_;
 };
 
-/// [procedure] holds keys of the study, keys of the rule and tables of the rule.
-struct ProcedureParts {
-    Table own, of_rule, file;
-};
-
-ProcedureParts procedure_parts(const Table& given) {
-    ProcedureParts parts;
-    for (const Entry& one : given) {
-        const bool table = std::find(kTablesOfRules.begin(), kTablesOfRules.end(), one.key) !=
-                           kTablesOfRules.end();
-        (table ? parts.file : of_the_rule(one.key) ? parts.of_rule : parts.own).push_back(one);
-    }
-    return parts;
-}
-
-void set_facts(const RuleFacts& facts, AdaptiveSpec& spec) {
-    spec.trials = facts.trials;
-    spec.lowest = facts.lowest;
-    spec.highest = facts.highest;
-    spec.outcomes = facts.outcomes;
-    spec.lowest_key = facts.lowest_key;
-    spec.highest_key = facts.highest_key;
-    spec.one_sided = facts.one_sided;
-}
-
 /// What the standard interval has of what the rule varies, in the rule's unit.
 double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
     return varies == Varies::mu         ? friction.mu_s
@@ -287,9 +233,16 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
                                            shown(entry.value)));
         return;
     }
-    auto [own, of_rule, file] = procedure_parts(*given);
+    // It holds keys of the study, keys of the rule and tables of the rule.
+    Table own, of_rule, file;
+    const auto keys = names_of(procedure_keys("procedure"));
+    for (const Entry& one : *given) {
+        const bool table = std::ranges::find(kTablesOfRules, one.key) != kTablesOfRules.end();
+        const bool key = std::ranges::find(keys, one.key) != keys.end();
+        (table ? file : key ? of_rule : own).push_back(one);
+    }
     AdaptiveSpec& spec = protocol.procedure.emplace();
-    note_places(*given, "procedure", places);
+    note_places(entry.value, "procedure", places);
     TableReader reader(own, "procedure", entry.at, problems, places);
     reader.fill(spec);
     reader.refuse_unknown();
@@ -303,7 +256,7 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
         return;
     }
     try {
-        set_facts(facts_of(*rule), spec);
+        static_cast<RuleFacts&>(spec) = facts_of(*rule);
         spec.rule = {procedure_text(file), std::make_shared<const ProcedureSpec>(*std::move(rule))};
     } catch (const std::invalid_argument& error) {
         problems.add(spoken_of(*given, error.what(), entry.at), error.what());

@@ -17,8 +17,6 @@ namespace palpate::protocols {
 namespace {
 
 using engine::Calibration;
-using engine::GantrySpec;
-using engine::PantographSpec;
 using engine::RigRecord;
 
 constexpr std::int64_t kCalibrationFormat = 1;
@@ -42,66 +40,28 @@ void check_name(TableReader& table, const std::string& name) {
     }
 }
 
-/// The tables of a machine.
-class Parts {
-public:
-    Parts(TableReader& table, std::string_view kind, const std::string& name)
-        : table_(&table), kind_(kind), name_(name) {}
-
-    template <class Record>
-    void operator()(std::string_view name, bool required, Keys keys, Record&& record) {
-        if (auto reader = table_->table(name)) {
-            reader->read(keys, record());
-            reader->refuse_unknown();
-            broken_ = broken_ || reader->broken();
-        } else if (required && !table_->broken()) {
-            table_->refuse(name, fmt::format("the machine {} has no table [{}.{}]: add it",
-                                             shown(name_), kind_, name));
+/// A machine and what lies in its table; then what all that says together.
+Calibration read_machine(TableReader& table, bool gantry) {
+    const auto tables = machine_tables(gantry);
+    Calibration machine = gantry ? Calibration() : begun_pantograph();
+    table.read(tables.front().keys, tables.front().record(machine, true));
+    check_name(table, machine.name());
+    bool broken = false;
+    for (const MachineTable& part : tables.subspan(1)) {
+        if (auto reader = table.table(part.name)) {
+            reader->read_last(part.keys, part.record(machine, true));
+            broken = broken || reader->broken();
+        } else if (part.required && !table.broken()) {
+            table.refuse(part.name,
+                         fmt::format("the machine {} has no table [{}.{}]: add it",
+                                     shown(machine.name()), tables.front().name, part.name));
         }
     }
-    /// All keys were known and right; now what they say together. @return the machine
-    Calibration checked(const Calibration& calibration) {
-        table_->refuse_unknown();
-        if (!broken_) {
-            table_->attempt([&] { check(calibration); });
-        }
-        return calibration;
+    table.refuse_unknown();
+    if (!broken) {
+        table.attempt([&] { check(machine); });
     }
-
-private:
-    TableReader* table_;
-    std::string_view kind_;
-    std::string name_;
-    bool broken_ = false;
-};
-
-Calibration read_gantry(TableReader& table) {
-    Calibration calibration;
-    GantrySpec& machine = calibration.gantry.emplace();
-    table.read(kCalibrationKeys.gantry, &machine);
-    check_name(table, machine.name);
-    Parts part(table, "gantry", machine.name);
-    part("axis_x", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[0]; });
-    part("axis_y", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[1]; });
-    part("axis_z", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[2]; });
-    part("board", true, kCalibrationKeys.gantry_board,
-         [&] { return &calibration.board.emplace(); });
-    return part.checked(calibration);
-}
-
-Calibration read_pantograph(TableReader& table) {
-    Machine calibration;
-    PantographSpec& machine = calibration.pantograph;
-    table.read(kCalibrationKeys.pantograph, &calibration);
-    check_name(table, machine.name);
-    Parts part(table, "pantograph", machine.name);
-    part("linkage", true, kCalibrationKeys.linkage, [&] { return &machine.linkage; });
-    part("axis_1", true, kCalibrationKeys.axis, [&] { return &machine.axes[0]; });
-    part("axis_2", true, kCalibrationKeys.axis, [&] { return &machine.axes[1]; });
-    part("haply", false, kCalibrationKeys.haply, [&] { return &calibration.haply.emplace(); });
-    part("board", false, kCalibrationKeys.board, [&] { return &calibration.board.emplace(); });
-    part("comedi", false, kCalibrationKeys.comedi, [&] { return &calibration.comedi.emplace(); });
-    return part.checked(calibration);
+    return machine;
 }
 
 constexpr std::array<const char*, 3> kAxisNames{"axis_x", "axis_y", "axis_z"};
@@ -109,10 +69,10 @@ constexpr std::array<const char*, 3> kAxisNames{"axis_x", "axis_y", "axis_z"};
 /// @param straight  of three straight axes, each of which has a table
 RigRecord read_record(TableReader& table, bool straight) {
     RigRecord record;
-    table.read(kCalibrationKeys.record, &record);
+    table.read(kRecordKeys.any, &record);
     if (!straight) {
         LinkageRecord linkage;
-        table.read(kCalibrationKeys.linkage_record, &linkage);
+        table.read(kRecordKeys.linkage, &linkage);
         record.dynamics = linkage.dynamics;
         if (linkage.mark) {
             record.mark = engine::Vec3(*linkage.mark, 0.0);
@@ -121,8 +81,7 @@ RigRecord read_record(TableReader& table, bool straight) {
     for (std::size_t i = 0; i < kAxisNames.size() && straight; ++i) {
         AxisRecord axis;
         if (auto reader = table.table(kAxisNames[i])) {
-            reader->read(kCalibrationKeys.axis_record, &axis);
-            reader->refuse_unknown();
+            reader->read_last(kRecordKeys.axis, &axis);
         } else {
             table.refuse(kAxisNames[i], fmt::format("there is no table [commissioning.{}]: run "
                                                     "palpate commission",
@@ -156,11 +115,10 @@ std::vector<Calibration> parse_rig(std::string_view text,
     TableReader top(file, "", {}, problems, places, "the calibration file");
     top.check_format(kCalibrationFormat);
     std::vector<Calibration> found;
-    for (TableReader& table : top.tables("pantograph")) {
-        keep(table, read_pantograph(table), found);
-    }
-    for (TableReader& table : top.tables("gantry")) {
-        keep(table, read_gantry(table), found);
+    for (const bool gantry : {false, true}) {
+        for (TableReader& table : top.tables(machine_tables(gantry).front().name)) {
+            keep(table, read_machine(table, gantry), found);
+        }
     }
     if (auto reader = top.table("commissioning")) {
         record = read_record(*reader, !found.empty() && found.front().gantry);
@@ -217,33 +175,15 @@ RigFile load_rig(const std::string& name_or_file, bool also_changed) {
 
 std::string to_toml(const Calibration& calibration) {
     std::string text = fmt::format("format = {}\n", kCalibrationFormat);
-    const auto append = [&text](std::string_view heading, Keys keys, const void* record) {
-        text += fmt::format("\n{}\n{}", heading, toml_lines(keys, record));
-    };
-    if (calibration.gantry) {
-        append("[[gantry]]", kCalibrationKeys.gantry, &*calibration.gantry);
-        append("[gantry.axis_x]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[0]);
-        append("[gantry.axis_y]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[1]);
-        append("[gantry.axis_z]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[2]);
-        if (calibration.board) {
-            append("[gantry.board]", kCalibrationKeys.gantry_board, &*calibration.board);
+    Calibration machine = calibration;
+    const auto tables = machine_tables(machine.gantry.has_value());
+    const std::string_view kind = tables.front().name;
+    for (const MachineTable& table : tables) {
+        if (const void* record = table.record(machine, false)) {
+            text += table.name == kind ? fmt::format("\n[[{}]]\n", kind)
+                                       : fmt::format("\n[{}.{}]\n", kind, table.name);
+            text += toml_lines(table.keys, record);
         }
-        return text;
-    }
-    const Machine whole(calibration);
-    const PantographSpec& machine = calibration.pantograph;
-    append("[[pantograph]]", kCalibrationKeys.pantograph, &whole);
-    append("[pantograph.linkage]", kCalibrationKeys.linkage, &machine.linkage);
-    append("[pantograph.axis_1]", kCalibrationKeys.axis, &machine.axes[0]);
-    append("[pantograph.axis_2]", kCalibrationKeys.axis, &machine.axes[1]);
-    if (calibration.haply) {
-        append("[pantograph.haply]", kCalibrationKeys.haply, &*calibration.haply);
-    }
-    if (calibration.board) {
-        append("[pantograph.board]", kCalibrationKeys.board, &*calibration.board);
-    }
-    if (calibration.comedi) {
-        append("[pantograph.comedi]", kCalibrationKeys.comedi, &*calibration.comedi);
     }
     return text;
 }
@@ -254,18 +194,18 @@ std::string calibration_id(const Calibration& calibration) {
 
 std::string to_toml(const Calibration& calibration, const RigRecord& record) {
     std::string text = fmt::format("{}\n[commissioning]\n{}", to_toml(calibration),
-                                   toml_lines(kCalibrationKeys.record, &record));
+                                   toml_lines(kRecordKeys.any, &record));
     if (!calibration.gantry) {
         const LinkageRecord linkage{
             .dynamics = record.dynamics,
             .mark = record.mark ? std::optional(engine::Vec2(*record.mark)) : std::nullopt};
-        return sealed(text + toml_lines(kCalibrationKeys.linkage_record, &linkage));
+        return sealed(text + toml_lines(kRecordKeys.linkage, &linkage));
     }
     for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
         const AxisRecord axis{.dynamics = record.axes[i],
                               .mark = record.mark.value_or(engine::Vec3{})[static_cast<int>(i)]};
         text += fmt::format("\n[commissioning.{}]\n{}", kAxisNames[i],
-                            toml_lines(kCalibrationKeys.axis_record, &axis));
+                            toml_lines(kRecordKeys.axis, &axis));
     }
     return sealed(text);
 }

@@ -3,6 +3,15 @@
 #include <array>
 
 namespace palpate::protocols {
+
+using engine::Calibration;
+
+template <>
+Calibration& record_at<Calibration>(void* record) {
+    static Calibration begun = begun_pantograph();
+    return record == nullptr ? begun : *static_cast<Calibration*>(record);
+}
+
 namespace {
 
 constexpr double kMilli = 1000.0;  // mm, mN m
@@ -18,40 +27,39 @@ constexpr Range kEnd{.min = -2000.0, .max = 2000.0};
 constexpr Range kChannel{.min = 0.0, .max = 65535.0};
 constexpr Range kVolts{.min = -1000.0, .max = 1000.0};
 
-/// What lies deeper in a record than one member.
-template <class Record, auto Get>
-Slot in(void* record) {
-    return slot_of(Get(record_at<Record>(record)));
-}
 /// The second word stands for true.
-template <class Record, const auto& kWords, auto Get>
+template <const auto& kWords, auto Member, auto... Deeper>
 Slot is(void* record) {
-    return OneOf{kWords, whole_of(Get(record_at<Record>(record)))};
+    return OneOf{kWords, whole_of(part_of<Member, Deeper...>(record_at<OwnerOf<Member>>(record)))};
 }
 
+using engine::Axis;
+using engine::AxisDynamics;
 using engine::ComediWiring;
 using engine::FiveBar;
 using engine::GantrySpec;
+using engine::HandleDynamics;
 using engine::HaplyWiring;
 using engine::OpenWiring;
+using engine::PantographSpec;
 using engine::StraightAxis;
 using enum Need;
 
 // clang-format off
 constexpr Key kPantograph[]{
-    {.name = "name", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.name; }>, .need = required, .form = Form::any,
+    {.name = "name", .slot = at<&Calibration::pantograph, &PantographSpec::name>, .need = required, .form = Form::any,
      .meaning = "of the machine, 1 to 64 bytes"},
-    {.name = "origin_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.origin; }>, .per_si = kMilli,
+    {.name = "origin_mm", .slot = at<&Calibration::pantograph, &PantographSpec::origin>, .per_si = kMilli,
      .meaning = "the object frame's origin in the linkage's frame, whose x axis leads from pivot 1 to pivot 2"},
-    {.name = "turn_deg", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.turn; }>, .range = {-360, 360}, .per_si = kDegrees,
+    {.name = "turn_deg", .slot = at<&Calibration::pantograph, &PantographSpec::turn>, .range = {-360, 360}, .per_si = kDegrees,
      .meaning = "from the linkage's x axis to the object frame's"},
-    {.name = "home_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.home; }>, .per_si = kMilli,
+    {.name = "home_mm", .slot = at<&Calibration::home>, .per_si = kMilli,
      .meaning = "rest pose of the handle when the device is switched on; left out: by hand"},
-    {.name = "damping_n_s_per_m", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.damping; }>, .range = {0, 100},
+    {.name = "damping_n_s_per_m", .slot = at<&Calibration::pantograph, &PantographSpec::damping>, .range = {0, 100},
      .meaning = "of the machine at its handle, the least where objects are felt"},
-    {.name = "motor_time_s", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.motor_time; }>, .range = {0, 1e5},
+    {.name = "motor_time_s", .slot = at<&Calibration::pantograph, &PantographSpec::motor_time>, .range = {0, 1e5},
      .meaning = "thermal time constant of the motors; 0: not known"},
-    {.name = "clearance_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.clearance; }>, .range = {0, 50, true}, .per_si = kMilli,
+    {.name = "clearance_mm", .slot = at<&Calibration::pantograph, &PantographSpec::clearance>, .range = {0, 50, true}, .per_si = kMilli,
      .meaning = "poses closer to a singular one are refused"},
 };
 
@@ -66,64 +74,64 @@ constexpr Key kLinkage[]{
      .meaning = "from elbow 2 to the handle"},
     {.name = "base_mm", .slot = at<&FiveBar::base>, .need = required, .range = {0, 2000}, .per_si = kMilli,
      .meaning = "between the pivots"},
-    {.name = "elbow_1", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.elbow_1_left; }>,
+    {.name = "elbow_1", .slot = is<kSides, &FiveBar::mode, &engine::WorkingMode::elbow_1_left>,
      .meaning = "side of the line from pivot 1 to the handle"},
-    {.name = "elbow_2", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.elbow_2_left; }>,
+    {.name = "elbow_2", .slot = is<kSides, &FiveBar::mode, &engine::WorkingMode::elbow_2_left>,
      .meaning = "side of the line from pivot 2 to the handle"},
-    {.name = "handle", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.handle_left; }>,
+    {.name = "handle", .slot = is<kSides, &FiveBar::mode, &engine::WorkingMode::handle_left>,
      .meaning = "side of the line from elbow 1 to elbow 2"},
 };
 
 constexpr Key kAxis[]{
-    {.name = "counts_per_turn", .slot = at<&engine::Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
+    {.name = "counts_per_turn", .slot = at<&Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the joint"},
-    {.name = "zero_deg", .slot = at<&engine::Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
+    {.name = "zero_deg", .slot = at<&Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
      .meaning = "angle at count 0"},
-    {.name = "torque_limit_mn_m", .slot = at<&engine::Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_limit_mn_m", .slot = at<&Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "the most that the motor gives, at the joint"},
-    {.name = "torque_forever_mn_m", .slot = at<&engine::Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_forever_mn_m", .slot = at<&Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "what it can give for ever"},
-    {.name = "codes_full_scale", .slot = at<&engine::Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
+    {.name = "codes_full_scale", .slot = at<&Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
      .meaning = "code of the torque limit"},
 };
 
 constexpr Key kHaply[]{
     {.name = "id", .slot = at<&HaplyWiring::id>, .range = {1, 255},
      .meaning = "of the device on the board"},
-    {.name = "port_1", .slot = in<HaplyWiring, [](auto& r) -> auto& { return r.port[0]; }>, .range = kPort,
+    {.name = "port_1", .slot = at<&HaplyWiring::port, 0>, .range = kPort,
      .meaning = "of pivot 1"},
-    {.name = "port_2", .slot = in<HaplyWiring, [](auto& r) -> auto& { return r.port[1]; }>, .range = kPort,
+    {.name = "port_2", .slot = at<&HaplyWiring::port, 1>, .range = kPort,
      .meaning = "of pivot 2"},
-    {.name = "motor_1", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[0]; }>,
+    {.name = "motor_1", .slot = is<kWays, &HaplyWiring::motor_clockwise, 0>,
      .meaning = "which way a positive torque turns"},
-    {.name = "motor_2", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[1]; }>,
+    {.name = "motor_2", .slot = is<kWays, &HaplyWiring::motor_clockwise, 1>,
      .meaning = "the same at pivot 2"},
-    {.name = "encoder_1", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[0]; }>,
+    {.name = "encoder_1", .slot = is<kWays, &HaplyWiring::encoder_clockwise, 0>,
      .meaning = "which way counts grow"},
-    {.name = "encoder_2", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[1]; }>,
+    {.name = "encoder_2", .slot = is<kWays, &HaplyWiring::encoder_clockwise, 1>,
      .meaning = "the same at pivot 2"},
-    {.name = "grip_pin", .slot = [](void* r) -> Slot { return whole_of(record_at<HaplyWiring>(r).grip_pin); }, .range = {54, 65},
+    {.name = "grip_pin", .slot = at<&HaplyWiring::grip_pin>, .range = {54, 65},
      .meaning = "analogue input that tells a held handle; left out: none"},
     {.name = "grip_threshold_adc", .slot = at<&HaplyWiring::grip_threshold>, .range = {0, 4095},
      .meaning = "the handle is held from this value up"},
 };
 
 constexpr Key kBoard[]{
-    {.name = "id", .slot = [](void* r) -> Slot { return whole_of(record_at<OpenWiring>(r).id); }, .range = {0, 4294967295},
+    {.name = "id", .slot = at<&OpenWiring::id>, .range = {0, 4294967295},
      .meaning = "the board's own; left out: any board"},
     {.name = "watchdog_ms", .slot = at<&OpenWiring::watchdog>, .range = {5, 50}, .per_si = kMilli,
      .meaning = "without a torque for so long the board stops"},
-    {.name = "channel_1", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[0]; }>, .range = kPort,
+    {.name = "channel_1", .slot = at<&OpenWiring::channel, 0>, .range = kPort,
      .meaning = "of pivot 1, motor and encoder"},
-    {.name = "channel_2", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[1]; }>, .range = kPort,
+    {.name = "channel_2", .slot = at<&OpenWiring::channel, 1>, .range = kPort,
      .meaning = "of pivot 2"},
-    {.name = "motor_1", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[0]; }>,
+    {.name = "motor_1", .slot = is<kWays, &OpenWiring::motor_clockwise, 0>,
      .meaning = "which way a positive torque turns"},
-    {.name = "motor_2", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[1]; }>,
+    {.name = "motor_2", .slot = is<kWays, &OpenWiring::motor_clockwise, 1>,
      .meaning = "the same at pivot 2"},
-    {.name = "encoder_1", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[0]; }>,
+    {.name = "encoder_1", .slot = is<kWays, &OpenWiring::encoder_clockwise, 0>,
      .meaning = "which way counts grow"},
-    {.name = "encoder_2", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[1]; }>,
+    {.name = "encoder_2", .slot = is<kWays, &OpenWiring::encoder_clockwise, 1>,
      .meaning = "the same at pivot 2"},
 };
 
@@ -139,13 +147,13 @@ constexpr Key kGantry[]{
 constexpr Key kStraightAxis[]{
     {.name = "radius_mm", .slot = at<&StraightAxis::radius>, .need = required, .range = {0, 200, true}, .per_si = kMilli,
      .meaning = "of the drum or pinion: mm of way by rad of the motor"},
-    {.name = "counts_per_turn", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.counts_per_turn; }>, .need = required, .range = {100, 1e9},
+    {.name = "counts_per_turn", .slot = at<&StraightAxis::motor, &Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the drum"},
-    {.name = "torque_limit_mn_m", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.torque_limit; }>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_limit_mn_m", .slot = at<&StraightAxis::motor, &Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "the most that the motor gives, at the drum; by the radius it is a force"},
-    {.name = "torque_forever_mn_m", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.torque_forever; }>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_forever_mn_m", .slot = at<&StraightAxis::motor, &Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "what it can give for ever"},
-    {.name = "codes_full_scale", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.codes_full_scale; }>, .need = required, .range = {1, 2147483647},
+    {.name = "codes_full_scale", .slot = at<&StraightAxis::motor, &Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
      .meaning = "code of the torque limit"},
     {.name = "low_mm", .slot = at<&StraightAxis::low>, .need = required, .range = kEnd, .per_si = kMilli,
      .meaning = "lower end of the workspace: a reading outside it ends the trial"},
@@ -156,52 +164,50 @@ constexpr Key kStraightAxis[]{
 };
 
 constexpr Key kGantryBoard[]{
-    {.name = "id", .slot = [](void* r) -> Slot { return whole_of(record_at<OpenWiring>(r).id); }, .range = {0, 4294967295},
-     .meaning = "the board's own; left out: any board"},
-    {.name = "watchdog_ms", .slot = at<&OpenWiring::watchdog>, .range = {5, 50}, .per_si = kMilli,
-     .meaning = "without a torque for so long the board stops"},
-    {.name = "channel_x", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[0]; }>, .range = {1, 3},
+    kBoard[0],
+    kBoard[1],
+    {.name = "channel_x", .slot = at<&OpenWiring::channel, 0>, .range = {1, 3},
      .meaning = "of the axis, motor and encoder"},
-    {.name = "channel_y", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[1]; }>, .range = {1, 3},
+    {.name = "channel_y", .slot = at<&OpenWiring::channel, 1>, .range = {1, 3},
      .meaning = "the same"},
-    {.name = "channel_z", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[2]; }>, .range = {1, 3},
+    {.name = "channel_z", .slot = at<&OpenWiring::channel, 2>, .range = {1, 3},
      .meaning = "the same"},
-    {.name = "motor_x", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.motor_clockwise[0]; }>,
+    {.name = "motor_x", .slot = is<kSenses, &OpenWiring::motor_clockwise, 0>,
      .meaning = "which way a positive torque pushes"},
-    {.name = "motor_y", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.motor_clockwise[1]; }>,
+    {.name = "motor_y", .slot = is<kSenses, &OpenWiring::motor_clockwise, 1>,
      .meaning = "the same"},
-    {.name = "motor_z", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.motor_clockwise[2]; }>,
+    {.name = "motor_z", .slot = is<kSenses, &OpenWiring::motor_clockwise, 2>,
      .meaning = "the same; forward is up"},
-    {.name = "encoder_x", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.encoder_clockwise[0]; }>,
+    {.name = "encoder_x", .slot = is<kSenses, &OpenWiring::encoder_clockwise, 0>,
      .meaning = "which way counts grow"},
-    {.name = "encoder_y", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.encoder_clockwise[1]; }>,
+    {.name = "encoder_y", .slot = is<kSenses, &OpenWiring::encoder_clockwise, 1>,
      .meaning = "the same"},
-    {.name = "encoder_z", .slot = is<OpenWiring, kSenses, [](auto& r) -> auto& { return r.encoder_clockwise[2]; }>,
+    {.name = "encoder_z", .slot = is<kSenses, &OpenWiring::encoder_clockwise, 2>,
      .meaning = "the same"},
 };
 
 constexpr Key kComedi[]{
     {.name = "counter_subdevice", .slot = at<&ComediWiring::counter_subdevice>, .range = kChannel,
      .meaning = "of the card's counters"},
-    {.name = "counter_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.counter[0]; }>, .range = kChannel,
+    {.name = "counter_1", .slot = at<&ComediWiring::counter, 0>, .range = kChannel,
      .meaning = "channel of pivot 1"},
-    {.name = "counter_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.counter[1]; }>, .range = kChannel,
+    {.name = "counter_2", .slot = at<&ComediWiring::counter, 1>, .range = kChannel,
      .meaning = "channel of pivot 2"},
-    {.name = "turns_1", .slot = is<ComediWiring, kWays, [](auto& r) -> auto& { return r.counter_clockwise[0]; }>,
+    {.name = "turns_1", .slot = is<kWays, &ComediWiring::counter_clockwise, 0>,
      .meaning = "which way counts grow"},
-    {.name = "turns_2", .slot = is<ComediWiring, kWays, [](auto& r) -> auto& { return r.counter_clockwise[1]; }>,
+    {.name = "turns_2", .slot = is<kWays, &ComediWiring::counter_clockwise, 1>,
      .meaning = "the same at pivot 2"},
     {.name = "output_subdevice", .slot = at<&ComediWiring::output_subdevice>, .range = kChannel,
      .meaning = "of the card's analogue outputs"},
-    {.name = "output_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.output[0]; }>, .range = kChannel,
+    {.name = "output_1", .slot = at<&ComediWiring::output, 0>, .range = kChannel,
      .meaning = "channel of pivot 1"},
-    {.name = "output_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.output[1]; }>, .range = kChannel,
+    {.name = "output_2", .slot = at<&ComediWiring::output, 1>, .range = kChannel,
      .meaning = "channel of pivot 2"},
     {.name = "output_range", .slot = at<&ComediWiring::range>, .range = kChannel,
      .meaning = "of the outputs, by its number"},
-    {.name = "volts_per_n_m_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.volts_per_newton_metre[0]; }>, .range = kVolts,
+    {.name = "volts_per_n_m_1", .slot = at<&ComediWiring::volts_per_newton_metre, 0>, .range = kVolts,
      .meaning = "of motor 1; negative: it turns the other way"},
-    {.name = "volts_per_n_m_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.volts_per_newton_metre[1]; }>, .range = kVolts,
+    {.name = "volts_per_n_m_2", .slot = at<&ComediWiring::volts_per_newton_metre, 1>, .range = kVolts,
      .meaning = "of motor 2"},
 };
 
@@ -232,56 +238,88 @@ constexpr Key kRecord[]{
 };
 
 constexpr Key kLinkageRecord[]{
-    {.name = "handle_g", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_mass; }>, .need = required, .range = {0, 1e4}, .per_si = kGrams,
+    {.name = "handle_g", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::handle_mass>, .need = required, .range = {0, 1e4}, .per_si = kGrams,
      .meaning = "handle and free links, lumped at the handle"},
-    {.name = "inertia_1_g_cm2", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.inertia.x; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+    {.name = "inertia_1_g_cm2", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::inertia, 0>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
      .meaning = "driven link 1 with its motor"},
-    {.name = "inertia_2_g_cm2", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.inertia.y; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+    {.name = "inertia_2_g_cm2", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::inertia, 1>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
      .meaning = "driven link 2 with its motor"},
-    {.name = "damping_1_mn_m_s", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.damping.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+    {.name = "damping_1_mn_m_s", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::damping, 0>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
      .meaning = "at motor 1, by rad/s"},
-    {.name = "damping_2_mn_m_s", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.damping.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+    {.name = "damping_2_mn_m_s", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::damping, 1>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
      .meaning = "at motor 2, by rad/s"},
-    {.name = "friction_1_mn_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.friction.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+    {.name = "friction_1_mn_m", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::friction, 0>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
      .meaning = "dry, at motor 1"},
-    {.name = "friction_2_mn_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.friction.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+    {.name = "friction_2_mn_m", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::friction, 1>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
      .meaning = "dry, at motor 2"},
-    {.name = "handle_damping_n_s_per_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_damping; }>, .need = required, .range = {0, 1e3},
+    {.name = "handle_damping_n_s_per_m", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::handle_damping>, .need = required, .range = {0, 1e3},
      .meaning = "at the handle itself: a plate, a sleeve, air"},
-    {.name = "handle_friction_n", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_friction; }>, .need = required, .range = {0, 1e3},
+    {.name = "handle_friction_n", .slot = at<&LinkageRecord::dynamics, &HandleDynamics::handle_friction>, .need = required, .range = {0, 1e3},
      .meaning = "dry, at the handle itself"},
     {.name = "mark_mm", .slot = at<&LinkageRecord::mark>, .range = {-1000, 1000}, .per_si = kMilli,
      .meaning = "where the handle is brought at each opening; left out: the operator's word"},
 };
 
 constexpr Key kAxisRecord[]{
-    {.name = "mass_g", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.mass; }>, .need = required, .range = {0, 1e5}, .per_si = kGrams,
+    {.name = "mass_g", .slot = at<&AxisRecord::dynamics, &AxisDynamics::mass>, .need = required, .range = {0, 1e5}, .per_si = kGrams,
      .meaning = "that its motor moves"},
-    {.name = "damping_n_s_per_m", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.damping; }>, .need = required, .range = {0, 1e3},
+    {.name = "damping_n_s_per_m", .slot = at<&AxisRecord::dynamics, &AxisDynamics::damping>, .need = required, .range = {0, 1e3},
      .meaning = "of the axis"},
-    {.name = "friction_n", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.friction; }>, .need = required, .range = {0, 1e3},
+    {.name = "friction_n", .slot = at<&AxisRecord::dynamics, &AxisDynamics::friction>, .need = required, .range = {0, 1e3},
      .meaning = "dry, of the axis"},
-    {.name = "pull_n", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.pull; }>, .need = required, .range = {-1e3, 1e3},
+    {.name = "pull_n", .slot = at<&AxisRecord::dynamics, &AxisDynamics::pull>, .need = required, .range = {-1e3, 1e3},
      .meaning = "that pulls it backward all the time: weight, of the vertical axis"},
     {.name = "mark_mm", .slot = at<&AxisRecord::mark>, .need = required, .range = {-2000, 2000}, .per_si = kMilli,
      .meaning = "where the handle is brought at each opening"},
 };
 // clang-format on
 
+/// What every such machine has, and a wiring, which it may have.
+template <auto... Steps>
+void* always(Calibration& machine, bool /*make*/) {
+    return &part_of<Steps...>(machine);
+}
+template <std::size_t I>
+void* straight(Calibration& machine, bool /*make*/) {
+    return &machine.gantry->axes[I];
+}
+template <auto Wiring>
+void* wiring(Calibration& machine, bool make) {
+    auto& wired = machine.*Wiring;
+    return wired || make ? &(wired ? *wired : wired.emplace()) : nullptr;
+}
+
+constexpr MachineTable kPantographTables[]{
+    {"pantograph", kPantograph,
+     [](Calibration& machine, bool) -> void* {
+         return &machine;
+     }},
+    {"linkage", kLinkage, always<&Calibration::pantograph, &PantographSpec::linkage>},
+    {"axis_1", kAxis, always<&Calibration::pantograph, &PantographSpec::axes, 0>},
+    {"axis_2", kAxis, always<&Calibration::pantograph, &PantographSpec::axes, 1>},
+    {"haply", kHaply, wiring<&Calibration::haply>, false},
+    {"board", kBoard, wiring<&Calibration::board>, false},
+    {"comedi", kComedi, wiring<&Calibration::comedi>, false}};
+
+constexpr MachineTable kGantryTables[]{{"gantry", kGantry, wiring<&Calibration::gantry>},
+                                       {"axis_x", kStraightAxis, straight<0>},
+                                       {"axis_y", kStraightAxis, straight<1>},
+                                       {"axis_z", kStraightAxis, straight<2>},
+                                       {"board", kGantryBoard, wiring<&Calibration::board>}};
+
 }  // namespace
 
-constinit const CalibrationKeys kCalibrationKeys{.pantograph = kPantograph,
-                                                 .linkage = kLinkage,
-                                                 .axis = kAxis,
-                                                 .haply = kHaply,
-                                                 .board = kBoard,
-                                                 .comedi = kComedi,
-                                                 .gantry = kGantry,
-                                                 .straight_axis = kStraightAxis,
-                                                 .gantry_board = kGantryBoard,
-                                                 .record = kRecord,
-                                                 .linkage_record = kLinkageRecord,
-                                                 .axis_record = kAxisRecord};
+constinit const RecordKeys kRecordKeys{kRecord, kLinkageRecord, kAxisRecord};
+
+std::span<const MachineTable> machine_tables(bool gantry) noexcept {
+    return gantry ? std::span<const MachineTable>(kGantryTables) : kPantographTables;
+}
+
+Calibration begun_pantograph() {
+    Calibration machine;
+    machine.pantograph.origin = {};
+    return machine;
+}
 
 std::vector<TableText> calibration_reference() {
     return {{"[[pantograph]]", "once for each machine", kPantograph},

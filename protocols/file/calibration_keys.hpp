@@ -9,12 +9,20 @@
 /// What a calibration file may say: rows of its tables.
 namespace palpate::protocols {
 
-/// As a file begins: its frame is the linkage's.
-struct Machine : engine::Calibration {
-    /// All defaults, but an origin of 0; or what a calibration has.
-    Machine() { pantograph.origin = {}; }
-    explicit Machine(const engine::Calibration& from) : engine::Calibration(from) {}
+/// A table of a machine. The first one of each kind is [[pantograph]] or [[gantry]] itself, the
+/// others lie in it: [pantograph.linkage], ...
+struct MachineTable {
+    std::string_view name;
+    Keys keys;
+    /// What it fills; null if the machine has none, and none is to be made.
+    void* (*record)(engine::Calibration& machine, bool make);
+    bool required = true;
 };
+/// Of one kind of machine, in the order of its files.
+[[nodiscard]] std::span<const MachineTable> machine_tables(bool gantry) noexcept;
+
+/// As its file begins: all defaults, but its frame is the linkage's.
+[[nodiscard]] engine::Calibration begun_pantograph();
 
 /// What a record says of a pantograph alone.
 struct LinkageRecord {
@@ -27,22 +35,13 @@ struct AxisRecord {
     double mark = 0.0;
 };
 
-/// The tables by name, each with the record that it fills.
-struct CalibrationKeys {
-    Keys pantograph;      ///< Machine
-    Keys linkage;         ///< engine::FiveBar
-    Keys axis;            ///< engine::Axis
-    Keys haply;           ///< engine::HaplyWiring
-    Keys board;           ///< engine::OpenWiring
-    Keys comedi;          ///< engine::ComediWiring
-    Keys gantry;          ///< engine::GantrySpec
-    Keys straight_axis;   ///< engine::StraightAxis
-    Keys gantry_board;    ///< engine::OpenWiring
-    Keys record;          ///< engine::RigRecord
-    Keys linkage_record;  ///< LinkageRecord
-    Keys axis_record;     ///< AxisRecord
+/// What [commissioning] says: of any machine, of a pantograph, of each straight axis.
+struct RecordKeys {
+    Keys any;      ///< engine::RigRecord
+    Keys linkage;  ///< LinkageRecord
+    Keys axis;     ///< AxisRecord
 };
-extern const CalibrationKeys kCalibrationKeys;
+extern const RecordKeys kRecordKeys;
 
 /// What a calibration file may say, for people.
 [[nodiscard]] std::vector<TableText> calibration_reference();

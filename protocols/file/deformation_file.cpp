@@ -23,32 +23,31 @@ struct CaseTable {
     bool free_weights = false;
 };
 
-template <auto Get>
-Slot of_curve(void* record) {
-    return slot_of(Get(record_at<CaseTable>(record).curve));
-}
+template <auto Member>
+constexpr auto of_curve = at<&CaseTable::curve, Member>;
 
 constexpr Range kPlace{.min = -1e6, .max = 1e6};
 
+using engine::DnurbsSpec;
 using enum Need;
 
 // clang-format off
 constexpr Key kCase[]{
-    {.name = "degree", .slot = of_curve<[](auto& c) -> auto& { return c.degree; }>, .need = required, .range = {1, 1e6},
+    {.name = "degree", .slot = of_curve<&DnurbsSpec::degree>, .need = required, .range = {1, 1e6},
      .meaning = "of the polynomials"},
-    {.name = "knots", .slot = of_curve<[](auto& c) -> auto& { return c.knots; }>, .need = required,
+    {.name = "knots", .slot = of_curve<&DnurbsSpec::knots>, .need = required,
      .meaning = "clamped, rising, of any spacing"},
     {.name = "points_m", .slot = at<&CaseTable::points>, .need = required, .range = kPlace,
      .meaning = "control points at rest, in the plane"},
-    {.name = "weights", .slot = of_curve<[](auto& c) -> auto& { return c.weights; }>,
+    {.name = "weights", .slot = of_curve<&DnurbsSpec::weights>,
      .meaning = "of the control points, above 0; left out: all 1"},
-    {.name = "mu", .slot = of_curve<[](auto& c) -> auto& { return c.mu; }>, .range = kFromZero,
+    {.name = "mu", .slot = of_curve<&DnurbsSpec::mu>, .range = kFromZero,
      .meaning = "mass per unit of u, kg; a motion needs some"},
-    {.name = "gamma", .slot = of_curve<[](auto& c) -> auto& { return c.gamma; }>, .range = kFromZero,
+    {.name = "gamma", .slot = of_curve<&DnurbsSpec::gamma>, .range = kFromZero,
      .meaning = "damping per unit of u, N s/m"},
-    {.name = "alpha", .slot = of_curve<[](auto& c) -> auto& { return c.alpha; }>, .range = kFromZero,
+    {.name = "alpha", .slot = of_curve<&DnurbsSpec::alpha>, .range = kFromZero,
      .meaning = "tension: times the square of the first derivative by u"},
-    {.name = "beta", .slot = of_curve<[](auto& c) -> auto& { return c.beta; }>, .range = kFromZero,
+    {.name = "beta", .slot = of_curve<&DnurbsSpec::beta>, .range = kFromZero,
      .meaning = "rigidity: times the square of the second"},
     {.name = "fixed", .slot = at<&CaseTable::fixed>, .range = kFromZero,
      .meaning = "control points that do not move, counted from 0"},
@@ -102,8 +101,7 @@ DeformationCase parse_deformation(std::string_view text, std::string_view file_n
     Places places;
     TableReader top(file, "", {}, problems, places, "the case");
     CaseTable read;
-    top.read(kCase, &read);
-    top.refuse_unknown();
+    top.read_last(kCase, &read);
     check(top, read);
     std::optional<DeformationCase> found;
     top.attempt([&] {

@@ -46,19 +46,15 @@ Array array_of(const toml::array& from) {
 
 Value value_of(const toml::node& node) {
     Value value{.at = position_of(node.source()), .data = Moment{}};
-    if (const auto* table = node.as_table()) {
-        value.data = table_of(*table);
-    } else if (const auto* array = node.as_array()) {
-        value.data = array_of(*array);
-    } else if (const auto* text = node.as_string()) {
-        value.data = text->get();
-    } else if (const auto* integer = node.as_integer()) {
-        value.data = integer->get();
-    } else if (const auto* number = node.as_floating_point()) {
-        value.data = number->get();
-    } else if (const auto* flag = node.as_boolean()) {
-        value.data = flag->get();
-    }
+    node.visit([&value](const auto& one) {
+        if constexpr (toml::is_table<decltype(one)>) {
+            value.data = table_of(one);
+        } else if constexpr (toml::is_array<decltype(one)>) {
+            value.data = array_of(one);
+        } else if constexpr (requires { value.data = one.get(); }) {
+            value.data = one.get();
+        }
+    });
     return value;
 }
 
@@ -92,10 +88,6 @@ public:
 private:
     /// @return whether that is one too many
     bool take(char c) {
-        if (c == '\n') {
-            line_start_ = at_ + 1;
-            ++line_;
-        }
         if (c == '\n' && open_.empty()) {
             begin_key();
         } else if (in_key_ && c == '.') {
@@ -139,22 +131,20 @@ private:
                 }
                 return;
             }
-            if (c == '\n') {
-                line_start_ = at_ + 1;
-                ++line_;
-            }
             const bool escape =
                 c == '\\' && quote == '"' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n';
             at_ += escape ? 2U : 1U;
         }
     }
 
-    [[nodiscard]] Position position() const { return {line_, at_ - line_start_ + 1}; }
+    [[nodiscard]] Position position() const {
+        const std::string_view before = text_.substr(0, at_);
+        const auto lines = std::count(before.begin(), before.end(), '\n');
+        return {static_cast<std::size_t>(lines) + 1, at_ - before.rfind('\n')};
+    }
 
     std::string_view text_;
     std::size_t at_ = 0;
-    std::size_t line_ = 1;
-    std::size_t line_start_ = 0;
     bool in_key_ = true;
     std::size_t parts_ = 1;
     std::string open_;  ///< brackets of arrays and inline tables
@@ -211,22 +201,20 @@ std::string shown(std::string_view text) {
 }
 
 std::string shown(const Value& value) {
-    if (const auto* text = std::get_if<std::string>(&value.data)) {
-        return shown(*text);
-    }
-    if (const auto* flag = std::get_if<bool>(&value.data)) {
-        return *flag ? "true" : "false";
-    }
-    if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
-        return fmt::format("{}", *integer);
-    }
-    if (const auto* number = std::get_if<double>(&value.data)) {
-        return fmt::format("{}", *number);
-    }
-    if (const auto* array = std::get_if<Array>(&value.data)) {
-        return fmt::format("an array of {}", array->size());
-    }
-    return std::string(kind_of(value));
+    return std::visit(
+        [&value](const auto& data) {
+            using Data = std::decay_t<decltype(data)>;
+            if constexpr (std::is_same_v<Data, std::string>) {
+                return shown(std::string_view(data));
+            } else if constexpr (std::is_arithmetic_v<Data>) {
+                return fmt::format("{}", data);
+            } else if constexpr (std::is_same_v<Data, Array>) {
+                return fmt::format("an array of {}", data.size());
+            } else {
+                return std::string(kind_of(value));
+            }
+        },
+        value.data);
 }
 
 Table parse_document(std::string_view text, std::string_view file_name) {

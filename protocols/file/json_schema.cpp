@@ -43,9 +43,10 @@ std::string segment_schema(Keys keys) {
     TableSchema segment;
     segment.add(keys.first(1)).add(keys.subspan(1), false);
     const Names all = names_of(keys.subspan(1));
-    for (std::size_t i = 0; i < kSegmentKinds.size(); ++i) {
-        const Keys own = keys_of_segment(static_cast<stimuli::Segment::Kind>(i));
-        segment.rule(json_when(says("kind", {kSegmentKinds.at(i)}),
+    using enum stimuli::Segment::Kind;
+    for (const auto kind : {nurbs, line, arc}) {
+        const Keys own = keys_of_segment(kind);
+        segment.rule(json_when(says("kind", {word_of(kind)}),
                                needs(required_of(own), without(all, names_of(own)))));
     }
     return segment.text();
@@ -140,13 +141,13 @@ void add_rule_kinds(TableSchema& to, const Where& where) {
         all_tables.insert(all_tables.end(), own.begin(), own.end());
     }
     const Names all_keys = names_of(procedure_keys("procedure").subspan(1));
-    for (std::size_t i = 0; i < kRuleKinds.size(); ++i) {
+    for (std::size_t i = 0; i < kWordsOf<RuleKind>.size(); ++i) {
         const auto kind = static_cast<RuleKind>(i);
         const Names own = tables_of_rule(kind);
         const Names needed = without(own, {"prior"});
         const Names other_keys = without(all_keys, names_of(keys_of_rule(kind)));
         to.rule(
-            json_when(where(says("kind", {kRuleKinds.at(i)})),
+            json_when(where(says("kind", {kWordsOf<RuleKind>.at(i)})),
                       both(where(needs({}, other_keys)), needs(needed, without(all_tables, own)))));
     }
 }
@@ -253,33 +254,28 @@ TableSchema scene_schema() {
     return file;
 }
 
+std::string machine_schema(bool gantry) {
+    const auto tables = machine_tables(gantry);
+    TableSchema machine(tables.front().keys);
+    for (const MachineTable& part : tables.subspan(1)) {
+        machine.put(part.name, TableSchema(part.keys).text(), part.required);
+    }
+    return machine.text();
+}
+
 TableSchema calibration_schema() {
-    const CalibrationKeys& all = kCalibrationKeys;
-    const auto table = [](Keys keys) {
-        return TableSchema(keys).text();
-    };
-    TableSchema pantograph(all.pantograph);
-    pantograph.put("linkage", table(all.linkage), true)
-        .put("axis_1", table(all.axis), true)
-        .put("axis_2", table(all.axis), true)
-        .put("haply", table(all.haply))
-        .put("board", table(all.board))
-        .put("comedi", table(all.comedi));
-    TableSchema gantry(all.gantry);
-    TableSchema record(all.record);
-    record.add(all.linkage_record, false);
+    TableSchema record(kRecordKeys.any);
+    record.add(kRecordKeys.linkage, false);
     const Names axes{"axis_x", "axis_y", "axis_z"};
     for (const std::string_view axis : axes) {
-        gantry.put(axis, table(all.straight_axis), true);
-        record.put(axis, table(all.axis_record));
+        record.put(axis, TableSchema(kRecordKeys.axis).text());
     }
-    gantry.put("board", table(all.gantry_board), true);
-    record.rule(json_when(needs({"axis_x"}), needs(axes, names_of(all.linkage_record)),
-                          needs(required_of(all.linkage_record), axes)));
+    record.rule(json_when(needs({"axis_x"}), needs(axes, names_of(kRecordKeys.linkage)),
+                          needs(required_of(kRecordKeys.linkage), axes)));
     TableSchema file;
     put_format(file, 1);
-    file.put("pantograph", json_list(pantograph.text()))
-        .put("gantry", json_list(gantry.text()))
+    file.put("pantograph", json_list(machine_schema(false)))
+        .put("gantry", json_list(machine_schema(true)))
         .put("commissioning", record.text())
         .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"pantograph"}), needs({"gantry"})));
     return file;

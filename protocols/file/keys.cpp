@@ -16,10 +16,20 @@ constexpr double kLateWindow = 100;
 /// Of what is varied, as the rule counts.
 constexpr double kMaxStimulus = 1e10;
 
+using engine::LawSpec;
 using enum Need;
 
+/// A number of a law of its own.
+template <auto Member>
+constexpr auto own = at<&FrictionSpec::own, Member>;
+
+/// Rows of a table by the struct that it fills.
+template <class Record>
+constexpr int kRows = 0;
+
 // clang-format off
-constexpr Key kStudy[]{
+template <>
+constexpr Key kRows<Protocol>[]{
     {.name = "id", .slot = at<&Protocol::id>, .need = required,
      .meaning = "names the study in the database"},
     {.name = "title", .slot = at<&Protocol::title>, .need = required, .form = Form::free,
@@ -38,7 +48,8 @@ constexpr Key kStudy[]{
      .meaning = "of the participant's screen"},
 };
 
-constexpr Key kApparatus[]{
+template <>
+constexpr Key kRows<ApparatusSpec>[]{
     {.name = "device", .slot = at<&ApparatusSpec::device>,
      .meaning = "of real sessions; pilots and simulations may use another"},
     {.name = "rate_hz", .slot = at<&ApparatusSpec::rate_hz>, .range = {1000, 10000},
@@ -61,7 +72,8 @@ constexpr Key kApparatus[]{
      .meaning = "how near to it the handle of a device has to be for a person's trial to begin; 0: anywhere"},
 };
 
-constexpr Key kOutline[]{
+template <>
+constexpr Key kRows<OutlineSpec>[]{
     {.name = "a_mm", .slot = at<&OutlineSpec::a>, .range = {-1000, 1000}, .per_si = 1000,
      .meaning = "[x, y] of A, left end of the base line"},
     {.name = "vertex_mm", .slot = at<&OutlineSpec::vertex>, .range = {-1000, 1000}, .per_si = 1000,
@@ -70,14 +82,16 @@ constexpr Key kOutline[]{
      .meaning = "[x, y] of B, right end of the base line"},
 };
 
-constexpr Key kSurface[]{
+template <>
+constexpr Key kRows<SurfaceSpec>[]{
     {.name = "size_mm", .slot = at<&SurfaceSpec::size>, .range = {5, 200}, .per_si = 1000,
      .meaning = "side of every patch, which a level rim surrounds"},
     {.name = "start_height_mm", .slot = at<&SurfaceSpec::start_height>, .range = {1, 200}, .per_si = 1000,
      .meaning = "how high above the middle of the patches start_mm is"},
 };
 
-constexpr Key kObject[]{
+template <>
+constexpr Key kRows<ObjectSpec>[]{
     {.name = "name", .slot = at<&ObjectSpec::name>, .need = required,
      .meaning = "names the object in the database"},
     {.name = "curvature_per_m", .slot = at<&ObjectSpec::curvature>, .need = two_curve, .range = {-1000, 1000},
@@ -96,7 +110,46 @@ constexpr Key kObject[]{
      .meaning = "with [surface]: curvature along y, where curvature_per_m is that along x; opposite signs are a saddle"},
 };
 
-constexpr Key kSafety[]{
+template <>
+constexpr Key kRows<FrictionSpec>[]{
+    {.name = "name", .slot = at<&FrictionSpec::name>, .need = required,
+     .meaning = "names the friction in the database"},
+    {.name = "law", .slot = at<&FrictionSpec::law>, .need = required,
+     .meaning = "frictionless, gos (stick and slip), or [another law](#laws-of-friction); each reads keys of its own"},
+    {.name = "mu_s", .slot = at<&FrictionSpec::mu_s>, .need = by_law, .range = {0, 10, true},
+     .meaning = "static coefficient"},
+    {.name = "mu_d", .slot = at<&FrictionSpec::mu_d>, .need = by_law, .range = {0, 10},
+     .meaning = "dynamic coefficient, at most mu_s"},
+    {.name = "tau_slip_ms", .slot = at<&FrictionSpec::tau_slip>, .need = by_law_optional, .range = {0, 10000}, .per_si = 1000,
+     .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
+    {.name = "tau_heal_ms", .slot = at<&FrictionSpec::tau_heal>, .need = by_law_optional, .range = {0, 10000}, .per_si = 1000,
+     .meaning = "time constant back to mu_s while stuck; 0: at once"},
+    {.name = "tangential_stiffness_n_per_m", .slot = own<&LawSpec::stiffness>, .need = by_law_optional, .range = {0, 20000},
+     .meaning = "of a law's own spring along the surface, at most stiffness_n_per_m; 0: the same"},
+    {.name = "viscous_n_s_per_m", .slot = own<&LawSpec::viscosity>, .need = by_law_optional, .range = {0, 100},
+     .meaning = "damper along the surface; the device must damp more"},
+    {.name = "bristle_damping_n_s_per_m", .slot = own<&LawSpec::bristle_damping>, .need = by_law_optional, .range = {0, 100},
+     .meaning = "damper of the law's own spring; the device must damp more"},
+    {.name = "stribeck_speed_mm_per_s", .slot = own<&LawSpec::stribeck_speed>, .need = by_law_optional, .range = {0, 10000, true}, .per_si = 1000,
+     .meaning = "from mu_s at rest to mu_d well above this speed"},
+    {.name = "smoothing_speed_mm_per_s", .slot = own<&LawSpec::smoothing_speed>, .need = by_law_optional, .range = {0, 10000, true}, .per_si = 1000,
+     .meaning = "over which friction turns with the motion"},
+    {.name = "stick_speed_mm_per_s", .slot = own<&LawSpec::stick_speed>, .need = by_law_optional, .range = {0, 10000, true}, .per_si = 1000,
+     .meaning = "below it a hand counts as resting"},
+    {.name = "dahl_exponent", .slot = own<&LawSpec::exponent>, .need = by_law_optional, .range = {0, 3},
+     .meaning = "alpha of Dahl's law"},
+    {.name = "stick_share", .slot = own<&LawSpec::stick_share>, .need = by_law_optional, .range = {0, 0.99},
+     .meaning = "share of the friction below which nothing slips"},
+    {.name = "bristles", .slot = own<&LawSpec::bristles>, .need = by_law_optional, .range = {1, engine::kMaxBristles},
+     .meaning = "number of bonds"},
+    {.name = "snag_spacing_mm", .slot = own<&LawSpec::snag_spacing>, .need = by_law_optional, .range = {0, 1000, true}, .per_si = 1000,
+     .meaning = "one snag, at a random place, in each such length of the outline"},
+    {.name = "law_seed", .slot = own<&LawSpec::seed>, .need = by_law_optional, .range = {0, kMaxSeed},
+     .meaning = "of bristles and snags: what is random about them is the same in every trial"},
+};
+
+template <>
+constexpr Key kRows<SafetySpec>[]{
     {.name = "slew_limit_n_per_ms", .slot = at<&SafetySpec::slew_limit>, .range = {0, kMaxSlew, true}, .per_si = 0.001,
      .meaning = "how fast the force may change"},
     {.name = "speed_limit_m_per_s", .slot = at<&SafetySpec::speed_limit>, .range = {0, kMaxSpeed, true},
@@ -111,7 +164,8 @@ constexpr Key kSafety[]{
      .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
 };
 
-constexpr Key kInvalid[]{
+template <>
+constexpr Key kRows<InvalidSpec>[]{
     {.name = "late_share", .slot = at<&InvalidSpec::late_share>, .range = {0, 1},
      .meaning = "share of late ticks above which a person's trial does not count; 1: never"},
     {.name = "stale_share", .slot = at<&InvalidSpec::stale_share>, .range = {0, 1},
@@ -124,7 +178,8 @@ constexpr Key kInvalid[]{
      .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
 };
 
-constexpr Key kExclusion[]{
+template <>
+constexpr Key kRows<ExclusionSpec>[]{
     {.name = "catch_correct_min", .slot = at<&ExclusionSpec::catch_correct_min>, .range = {0, 1},
      .meaning = "least share of catch trials answered with the outermost picture on their side"},
     {.name = "share_correct_min", .slot = at<&ExclusionSpec::share_correct_min>, .range = {0, 1},
@@ -137,13 +192,15 @@ constexpr Key kExclusion[]{
      .meaning = "leave out who has a session that is not finished"},
 };
 
-constexpr Key kAnalysis[]{
+template <>
+constexpr Key kRows<AnalysisSpec>[]{
     {.name = "primary", .slot = at<&AnalysisSpec::primary>,
      .meaning = "the test by which friction's effect on the share of right answers is judged, within people: what palpate "
                 "stats names first, and palpate power counts"},
 };
 
-constexpr Key kDesign[]{
+template <>
+constexpr Key kRows<DesignSpec>[]{
     {.name = "repetitions", .slot = at<&DesignSpec::repetitions>, .need = factorial, .range = {1, 1000},
      .meaning = "main trials of each object with each friction"},
     {.name = "max_run_object", .slot = at<&DesignSpec::max_run_object>, .range = {0, 1000},
@@ -164,7 +221,8 @@ constexpr Key kDesign[]{
      .meaning = "all frictions in each block; or one a block, there and back (abba) or always alike"},
 };
 
-constexpr Key kTiming[]{
+template <>
+constexpr Key kRows<TimingSpec>[]{
     {.name = "explore_min_s", .slot = at<&TimingSpec::explore_min>, .range = {0, 3600},
      .meaning = "an answer is not taken before"},
     {.name = "explore_prompt_s", .slot = at<&TimingSpec::explore_prompt>, .range = {0, 3600, true},
@@ -181,7 +239,8 @@ constexpr Key kTiming[]{
      .meaning = "a question that nobody answers ends, and its trial runs again; 0: it waits"},
 };
 
-constexpr Key kResponse[]{
+template <>
+constexpr Key kRows<ResponseSpec>[]{
     {.name = "kind", .slot = at<&ResponseSpec::kind>,
      .meaning = "what is asked after feeling; two_interval needs [procedure]"},
     {.name = "question", .slot = at<&ResponseSpec::question>, .form = Form::free,
@@ -200,7 +259,8 @@ constexpr Key kResponse[]{
      .meaning = "after which answers the screen says right or wrong"},
 };
 
-constexpr Key kAdaptive[]{
+template <>
+constexpr Key kRows<AdaptiveSpec>[]{
     {.name = "varies", .slot = at<&AdaptiveSpec::varies>, .need = required,
      .meaning = "what the rule chooses: the curvature, mu_s (mu_d keeps its share), or the compliance"},
     {.name = "stimulus_as", .slot = at<&AdaptiveSpec::stimulus_as>,
@@ -219,7 +279,8 @@ constexpr Key kAdaptive[]{
      .meaning = "comparisons in the same interval in a row; 0: no limit"},
 };
 
-constexpr Key kRun[]{
+template <>
+constexpr Key kRows<RunSpec>[]{
     {.name = "name", .slot = at<&RunSpec::name>, .need = required,
      .meaning = "names the run in the database"},
     {.name = "friction", .slot = at<&RunSpec::friction>, .need = required,
@@ -228,7 +289,8 @@ constexpr Key kRun[]{
      .meaning = "name of the standard's friction; left out: the same"},
 };
 
-constexpr Key kObserver[]{
+template <>
+constexpr Key kRows<ObserverSpec>[]{
     {.name = "noise_per_m", .slot = at<&ObserverSpec::noise>, .range = {0, 1000},
      .meaning = "standard deviation of the felt curvature"},
     {.name = "lapse", .slot = at<&ObserverSpec::lapse>, .range = {0, 1},
@@ -243,14 +305,16 @@ constexpr Key kObserver[]{
      .meaning = "standard deviation of the decadic logarithm of the felt softness"},
 };
 
-constexpr Key kMasking[]{
+template <>
+constexpr Key kRows<MaskingSpec>[]{
     {.name = "noise", .slot = at<&MaskingSpec::noise>,
      .meaning = "on the headphones from the ready screen until the answer, over the sound of the motors"},
     {.name = "level_db", .slot = at<&MaskingSpec::level_db>, .range = {-60, 0},
      .meaning = "root mean square against full scale; how loud that is, measure on your headphones"},
 };
 
-constexpr Key kInstructions[]{
+template <>
+constexpr Key kRows<InstructionTexts>[]{
     {.name = "welcome", .slot = at<&InstructionTexts::welcome>, .form = Form::lines,
      .meaning = "before the first trial"},
     {.name = "ready", .slot = at<&InstructionTexts::ready>, .form = Form::lines,
@@ -268,39 +332,27 @@ constexpr Key kInstructions[]{
 
 }  // namespace
 
-template <>
-constinit const Keys KeysOf<Protocol>::value = kStudy;
-template <>
-constinit const Keys KeysOf<ApparatusSpec>::value = kApparatus;
-template <>
-constinit const Keys KeysOf<OutlineSpec>::value = kOutline;
-template <>
-constinit const Keys KeysOf<SurfaceSpec>::value = kSurface;
-template <>
-constinit const Keys KeysOf<ObjectSpec>::value = kObject;
-template <>
-constinit const Keys KeysOf<SafetySpec>::value = kSafety;
-template <>
-constinit const Keys KeysOf<InvalidSpec>::value = kInvalid;
-template <>
-constinit const Keys KeysOf<ExclusionSpec>::value = kExclusion;
-template <>
-constinit const Keys KeysOf<AnalysisSpec>::value = kAnalysis;
-template <>
-constinit const Keys KeysOf<DesignSpec>::value = kDesign;
-template <>
-constinit const Keys KeysOf<TimingSpec>::value = kTiming;
-template <>
-constinit const Keys KeysOf<ResponseSpec>::value = kResponse;
-template <>
-constinit const Keys KeysOf<AdaptiveSpec>::value = kAdaptive;
-template <>
-constinit const Keys KeysOf<RunSpec>::value = kRun;
-template <>
-constinit const Keys KeysOf<ObserverSpec>::value = kObserver;
-template <>
-constinit const Keys KeysOf<MaskingSpec>::value = kMasking;
-template <>
-constinit const Keys KeysOf<InstructionTexts>::value = kInstructions;
+template <class Record>
+Keys keys_of() {
+    return kRows<Record>;
+}
+template Keys keys_of<Protocol>();
+template Keys keys_of<ApparatusSpec>();
+template Keys keys_of<OutlineSpec>();
+template Keys keys_of<SurfaceSpec>();
+template Keys keys_of<ObjectSpec>();
+template Keys keys_of<FrictionSpec>();
+template Keys keys_of<SafetySpec>();
+template Keys keys_of<InvalidSpec>();
+template Keys keys_of<ExclusionSpec>();
+template Keys keys_of<AnalysisSpec>();
+template Keys keys_of<DesignSpec>();
+template Keys keys_of<TimingSpec>();
+template Keys keys_of<ResponseSpec>();
+template Keys keys_of<AdaptiveSpec>();
+template Keys keys_of<RunSpec>();
+template Keys keys_of<ObserverSpec>();
+template Keys keys_of<MaskingSpec>();
+template Keys keys_of<InstructionTexts>();
 
 }  // namespace palpate::protocols

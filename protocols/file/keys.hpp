@@ -44,44 +44,6 @@ inline constexpr std::array<std::string_view, 3> kWordsOf<Varies>{"curvature_per
 template <>
 inline constexpr std::array<std::string_view, 2> kWordsOf<StimulusAs>{"value", "log10"};
 
-// Rows of [study], [[object]], ... by the struct that they fill. [study] fills Protocol itself.
-template <>
-const Keys KeysOf<Protocol>::value;
-template <>
-const Keys KeysOf<ApparatusSpec>::value;
-template <>
-const Keys KeysOf<OutlineSpec>::value;
-template <>
-const Keys KeysOf<SurfaceSpec>::value;
-template <>
-const Keys KeysOf<ObjectSpec>::value;
-template <>
-const Keys KeysOf<FrictionSpec>::value;
-template <>
-const Keys KeysOf<SafetySpec>::value;
-template <>
-const Keys KeysOf<InvalidSpec>::value;
-template <>
-const Keys KeysOf<ExclusionSpec>::value;
-template <>
-const Keys KeysOf<AnalysisSpec>::value;
-template <>
-const Keys KeysOf<DesignSpec>::value;
-template <>
-const Keys KeysOf<TimingSpec>::value;
-template <>
-const Keys KeysOf<ResponseSpec>::value;
-template <>
-const Keys KeysOf<AdaptiveSpec>::value;
-template <>
-const Keys KeysOf<RunSpec>::value;
-template <>
-const Keys KeysOf<ObserverSpec>::value;
-template <>
-const Keys KeysOf<MaskingSpec>::value;
-template <>
-const Keys KeysOf<InstructionTexts>::value;
-
 /// A law of [[friction]] and the keys that it reads beside name and law.
 struct LawKeys {
     std::string_view law;

@@ -80,17 +80,15 @@ private:
             if (known == one) {
                 continue;
             }
-            if (object.segments.empty()) {
-                add(path(*one, "curvature_per_m"),
-                    fmt::format("curvature_per_m is {}, as in [[object]] {}: pictured objects need "
-                                "curvatures of their own",
-                                object.curvature, *known + 1));
-            } else {
-                add(path(*one, "segment.1"),
-                    fmt::format("the object {} has the outline of [[object]] {}: pictured objects "
-                                "need outlines of their own",
-                                object.name, *known + 1));
-            }
+            const bool curves = object.segments.empty();
+            add_if(curves, path(*one, "curvature_per_m"),
+                   "curvature_per_m is {}, as in [[object]] {}: pictured objects need curvatures "
+                   "of their own",
+                   object.curvature, *known + 1);
+            add_if(!curves, path(*one, "segment.1"),
+                   "the object {} has the outline of [[object]] {}: pictured objects need outlines "
+                   "of their own",
+                   object.name, *known + 1);
         }
     }
 
@@ -112,13 +110,11 @@ private:
         bool known = true;
         for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
             const FrictionSpec& friction = protocol_.frictions[i];
-            if (engine::law_named(friction.law) != nullptr) {
-                known = false;
-                add(fmt::format("friction.{}.law", i + 1),
-                    fmt::format("law is \"{}\", which surfaces do not have: give \"frictionless\", "
-                                "\"gos\" or \"coulomb\"",
-                                friction.law));
-            }
+            known &= !add_if(engine::law_named(friction.law) != nullptr,
+                             fmt::format("friction.{}.law", i + 1),
+                             "law is \"{}\", which surfaces do not have: give \"frictionless\", "
+                             "\"gos\" or \"coulomb\"",
+                             friction.law);
         }
         return known;
     }
@@ -145,12 +141,12 @@ private:
     /// @return false where one object says it for all
     bool surface(std::size_t index) {
         const ObjectSpec& object = protocol_.objects[index];
-        if (!object.segments.empty() || object.pose() != stimuli::Pose{} ||
-            object.compliance > 0.0) {
-            add(path(index, "name"),
-                fmt::format("the object {} has segments, a place or a compliance of its own: a "
-                            "surface has curvature_per_m and cross_curvature_per_m alone",
-                            object.name));
+        if (add_if(!object.segments.empty() || object.pose() != stimuli::Pose{} ||
+                       object.compliance > 0.0,
+                   path(index, "name"),
+                   "the object {} has segments, a place or a compliance of its own: a surface has "
+                   "curvature_per_m and cross_curvature_per_m alone",
+                   object.name)) {
             return true;
         }
         std::shared_ptr<const engine::NurbsSurface> built;
@@ -165,13 +161,9 @@ private:
             return false;
         }
         const engine::Vec3 start(protocol_.apparatus.start, protocol_.surface->start_height);
-        if (engine::SurfaceFeet(built).closest(start).inside) {
-            add("surface.start_height_mm",
-                fmt::format("start_height_mm is {}, inside the object {}: give more",
-                            millimetres(start.z), object.name));
-            return false;
-        }
-        return true;
+        return !add_if(engine::SurfaceFeet(built).closest(start).inside, "surface.start_height_mm",
+                       "start_height_mm is {}, inside the object {}: give more",
+                       millimetres(start.z), object.name);
     }
 
     /// What yields is two curves, under a contact of one spring and friction in its cone.
@@ -218,20 +210,15 @@ private:
 
     bool outline() {
         const auto& [a, vertex, b] = protocol_.outline;
-        if (!(a.x < vertex.x && vertex.x < b.x)) {
-            add("outline.vertex_mm",
-                fmt::format("x of A, V and B are {}, {} and {}: give them from left to right",
-                            millimetres(a.x), millimetres(vertex.x), millimetres(b.x)));
+        if (add_if(!(a.x < vertex.x && vertex.x < b.x), "outline.vertex_mm",
+                   "x of A, V and B are {}, {} and {}: give them from left to right",
+                   millimetres(a.x), millimetres(vertex.x), millimetres(b.x))) {
             return false;
         }
         const double height = engine::cross(b - a, vertex - a) / glm::length(b - a);
-        if (height < kMinHeight) {
-            add("outline.vertex_mm",
-                fmt::format("the vertex is {} mm above the base line A-B: give at least {}",
-                            millimetres(height), millimetres(kMinHeight)));
-            return false;
-        }
-        return true;
+        return !add_if(height < kMinHeight, "outline.vertex_mm",
+                       "the vertex is {} mm above the base line A-B: give at least {}",
+                       millimetres(height), millimetres(kMinHeight));
     }
 
     bool object_fits(std::size_t index) {
@@ -239,20 +226,14 @@ private:
         const double curvature = protocol_.objects[index].curvature;
         const std::string at = path(index, "curvature_per_m");
         const double chord = std::max(glm::length(vertex - a), glm::length(b - vertex));
-        if (std::fabs(curvature) * chord / 2.0 >= kMaxHalfSine) {
-            add(at, fmt::format("curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay "
-                                "below {:.1f} either way",
-                                curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord));
-            return false;
-        }
-        if (curvature < 0.0 && !leaves_room(-curvature)) {
-            add(at, fmt::format(
-                        "curvature_per_m is {}: curves as hollow as this meet each other or the "
-                        "base line; give a value nearer to 0, or a wider angle at A, V or B",
-                        curvature));
-            return false;
-        }
-        return true;
+        return !add_if(std::fabs(curvature) * chord / 2.0 >= kMaxHalfSine, at,
+                       "curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay below "
+                       "{:.1f} either way",
+                       curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord) &&
+               !add_if(curvature < 0.0 && !leaves_room(-curvature), at,
+                       "curvature_per_m is {}: curves as hollow as this meet each other or the "
+                       "base line; give a value nearer to 0, or a wider angle at A, V or B",
+                       curvature);
     }
 
     /// Hollow curves stay apart if at every corner the angle between the chords is larger than what
@@ -267,14 +248,10 @@ private:
 
     bool start_is_outside(std::size_t index, const engine::Outline& outline) {
         const Vec2& start = protocol_.apparatus.start;
-        if (!engine::OutlineFeet(outline).closest(start).inside) {
-            return true;
-        }
-        add("apparatus.start_mm",
-            fmt::format(
-                "start_mm is [{}, {}], inside the object {}: give a point outside all objects",
-                millimetres(start.x), millimetres(start.y), protocol_.objects[index].name));
-        return false;
+        return !add_if(
+            engine::OutlineFeet(outline).closest(start).inside, "apparatus.start_mm",
+            "start_mm is [{}, {}], inside the object {}: give a point outside all objects",
+            millimetres(start.x), millimetres(start.y), protocol_.objects[index].name);
     }
 
     /// The placed outline, if the engine takes it.
@@ -291,13 +268,11 @@ private:
 
     bool is_closed(std::size_t index) {
         const ObjectSpec& object = protocol_.objects[index];
-        const double gap = stimuli::gap_of(object.segments);
-        if (!(gap <= kSameEnd)) {
-            add(path(index, fmt::format("segment.{}", object.segments.size())),
-                gap_text("the object " + object.name, gap));
-            return false;
-        }
-        return true;
+        const double gap =
+            closing_gap({curve_of(object.segments.front()), curve_of(object.segments.back())});
+        return !add_if(!(gap <= kSameEnd),
+                       path(index, fmt::format("segment.{}", object.segments.size())), "{}",
+                       gap_text("the object " + object.name, gap));
     }
 
     /// A size that can be felt, not out of every reach. Control points bound the curves.
@@ -312,30 +287,20 @@ private:
         }
         const ObjectSpec& object = protocol_.objects[index];
         const double farthest = std::max({-low.x, -low.y, high.x, high.y});
-        if (!(farthest <= kFarthest)) {
-            add(placed_at(index),
-                fmt::format("the object {} (its control points) reaches {:.6g} mm from the origin "
-                            "along an axis: keep it within {:g} mm",
-                            object.name, 1e3 * farthest, 1e3 * kFarthest));
-            return false;
-        }
         const double least = std::min(high.x - low.x, high.y - low.y);
-        if (!(least >= kMinHeight)) {
-            add(placed_at(index),
-                fmt::format("the object {} is {:.6g} mm wide or high: give at least {:g}",
-                            object.name, 1e3 * least, 1e3 * kMinHeight));
-            return false;
-        }
-        return true;
+        return !add_if(!(farthest <= kFarthest), placed_at(index),
+                       "the object {} (its control points) reaches {:.6g} mm from the origin along "
+                       "an axis: keep it within {:g} mm",
+                       object.name, 1e3 * farthest, 1e3 * kFarthest) &&
+               !add_if(!(least >= kMinHeight), placed_at(index),
+                       "the object {} is {:.6g} mm wide or high: give at least {:g}", object.name,
+                       1e3 * least, 1e3 * kMinHeight);
     }
 
     bool is_simple(std::size_t index, const engine::Outline& outline) {
         const auto meeting =
             crossing_text("the outline of " + protocol_.objects[index].name, outline);
-        if (meeting) {
-            add(path(index, "segment.1"), *meeting);
-        }
-        return !meeting;
+        return !add_if(meeting.has_value(), path(index, "segment.1"), "{}", meeting.value_or(""));
     }
 
     /// @return whether the start of a trial is outside, as far as is known

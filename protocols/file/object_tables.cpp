@@ -55,7 +55,7 @@ constexpr Key kLadder[]{
 };
 
 constexpr Key kSegment[]{
-    {.name = "kind", .slot = [](void* r) -> Slot { return OneOf{kSegmentKinds, whole_of(record_at<SegmentTable>(r).kind)}; }, .need = required,
+    {.name = "kind", .slot = at<&SegmentTable::kind>, .need = required,
      .meaning = "each begins where the one before ends"},
     {.name = "degree", .slot = at<&SegmentTable::degree>, .need = required, .range = {1, 1e6},
      .meaning = "of a nurbs: of its polynomials"},
@@ -142,55 +142,37 @@ SetTable read_set_table(TableReader& table) {
     return set;
 }
 
-/// @param called  "1 of [[object]] 2"
-void read_segment_of(const Value& value,
-                     const std::string& path,
-                     const std::string& called,
-                     Problems& problems,
-                     Places& places,
-                     ObjectSpec& object) {
-    const auto* table = std::get_if<Table>(&value.data);
-    if (table == nullptr) {
-        problems.add(value.at,
-                     fmt::format("segment {} is {}: write it as a table [[object.segment]]", called,
-                                 shown(value)));
-        return;
-    }
-    TableReader reader(*table, path, value.at, problems, places, "[[object.segment]] " + called);
-    const SegmentTable read = read_segment_table(reader);
-    stimuli::Segment& segment = object.segments.emplace_back();
-    reader.attempt([&] {
-        segment = plane_segment(read);
-        static_cast<void>(curve_of(segment));
-    });
-}
-
-void read_segments(const Entry& entry,
-                   const std::string& path,
-                   std::size_t number,
-                   Problems& problems,
-                   Places& places,
-                   ObjectSpec& object) {
+void read_segments(TableReader& reader, const Entry& entry, ObjectSpec& object) {
     const auto* array = std::get_if<Array>(&entry.value.data);
     if (array == nullptr || array->empty() || array->size() > kMaxSegments) {
-        problems.add(entry.at, fmt::format("segment of [[object]] {} is {}: write 1 to {} tables "
-                                           "[[object.segment]]",
-                                           number, shown(entry.value), kMaxSegments));
+        reader.add(entry.at, fmt::format("segment of {} is {}: write 1 to {} tables "
+                                         "[[object.segment]]",
+                                         reader.name(), shown(entry.value), kMaxSegments));
         return;
     }
     for (std::size_t i = 0; i < array->size(); ++i) {
-        read_segment_of((*array)[i], fmt::format("{}.segment.{}", path, i + 1),
-                        fmt::format("{} of [[object]] {}", i + 1, number), problems, places,
-                        object);
+        const Value& value = (*array)[i];
+        const std::string called = fmt::format("{} of {}", i + 1, reader.name());
+        const auto* table = std::get_if<Table>(&value.data);
+        if (table == nullptr) {
+            reader.add(value.at,
+                       fmt::format("segment {} is {}: write it as a table [[object.segment]]",
+                                   called, shown(value)));
+            continue;
+        }
+        TableReader inner = reader.of(*table, fmt::format("{}.segment.{}", reader.path(), i + 1),
+                                      value.at, "[[object.segment]] " + called);
+        const SegmentTable read = read_segment_table(inner);
+        stimuli::Segment& segment = object.segments.emplace_back();
+        inner.attempt([&] {
+            segment = plane_segment(read);
+            static_cast<void>(curve_of(segment));
+        });
     }
 }
 
 /// An object for every curvature of the set; what else the table says is said of each.
-void read_set(TableReader& reader,
-              const ObjectSpec& object,
-              const Position& at,
-              Places& places,
-              std::vector<ObjectSpec>& objects) {
+void read_set(TableReader& reader, const ObjectSpec& object, std::vector<ObjectSpec>& objects) {
     const SetTable set = read_set_table(reader);
     for (const double curvature : reader.broken() ? std::vector<double>{} : curvatures_of(set)) {
         ObjectSpec& one = objects.emplace_back(object);
@@ -198,31 +180,26 @@ void read_set(TableReader& reader,
         one.curvature = curvature;
         one.pictured =
             reader.has("pictured") ? object.pictured : set.set != SetTable::Set::catch_pair;
-        places.note(fmt::format("object.{}", objects.size()), at);
+        reader.note(fmt::format("object.{}", objects.size()));
     }
 }
 
 /// Two curves, or segments: one of both.
-void read_form(TableReader& reader,
-               const Position& at,
-               std::size_t number,
-               Problems& problems,
-               Places& places,
-               ObjectSpec& object) {
+void read_form(TableReader& reader, ObjectSpec& object) {
     const bool curved = reader.has("curvature_per_m");
     if (const Entry* segments = find(reader.table(), "segment")) {
         if (curved) {
-            problems.add(places.of(reader.path() + ".curvature_per_m"),
-                         fmt::format("[[object]] {} has curvature_per_m and [[object.segment]] "
-                                     "tables: delete one of them",
-                                     number));
+            reader.refuse("curvature_per_m",
+                          fmt::format("{} has curvature_per_m and [[object.segment]] tables: "
+                                      "delete one of them",
+                                      reader.name()));
         }
-        read_segments(*segments, reader.path(), number, problems, places, object);
+        read_segments(reader, *segments, object);
     } else if (!curved) {
-        problems.add(at, fmt::format("[[object]] {} lacks the key curvature_per_m: add it (two "
-                                     "curves), or [[object.segment]] tables (a free form), or set "
-                                     "(several objects)",
-                                     number));
+        reader.add(reader.at(),
+                   fmt::format("{} lacks the key curvature_per_m: add it (two curves), or "
+                               "[[object.segment]] tables (a free form), or set (several objects)",
+                               reader.name()));
     }
 }
 
@@ -241,8 +218,7 @@ SegmentTable read_segment_table(TableReader& table) {
     if (table.broken()) {
         return read;  // what else it needs depends on its kind
     }
-    table.read(keys_of_segment(read.kind), &read);
-    table.refuse_unknown();
+    table.read_last(keys_of_segment(read.kind), &read);
     if (read.kind == SegmentKind::nurbs || table.broken()) {
         return read;
     }
@@ -266,32 +242,26 @@ stimuli::Segment plane_segment(const SegmentTable& table) {
             .curvature = table.curvature};
 }
 
-void read_object(const Table& table,
-                 const Position& at,
-                 Problems& problems,
-                 Places& places,
-                 std::vector<ObjectSpec>& objects) {
+void read_object(const TableReader& given, std::vector<ObjectSpec>& objects) {
     constexpr std::array<std::string_view, 6> kMore{"segment",    "set",      "prefix",
                                                     "from_per_m", "to_per_m", "count"};
-    const std::size_t number = objects.size() + 1;
-    const std::string path = fmt::format("object.{}", number);
-    TableReader reader(table, path, at, problems, places);
+    TableReader reader =
+        given.of(given.table(), fmt::format("object.{}", objects.size() + 1), given.at());
     ObjectSpec object;
     reader.fill(object, !reader.has("set"));
     reader.know(kMore);
     reader.refuse_unknown();
     if (reader.has("set")) {
-        read_set(reader, object, at, places, objects);
+        read_set(reader, object, objects);
         return;
     }
     for (const std::string_view key : WordList(kMore).subspan(2)) {
-        if (reader.has(key)) {
-            problems.add(find(table, key)->at,
-                         fmt::format("{} of [[object]] {} is for a set: give set, or delete it",
-                                     key, number));
+        if (const Entry* entry = find(given.table(), key)) {
+            reader.add(entry->at, fmt::format("{} of {} is for a set: give set, or delete it", key,
+                                              reader.name()));
         }
     }
-    read_form(reader, at, number, problems, places, object);
+    read_form(reader, object);
     objects.push_back(std::move(object));
 }
 

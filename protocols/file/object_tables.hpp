@@ -16,13 +16,9 @@ namespace palpate::protocols {
 
 inline constexpr std::size_t kMaxSegments = 64;  ///< of one object
 
-/// Reads one [[object]]: appends one object, or those of a set. Each is noted in `places` as
-/// object.N with N its number among all objects.
-void read_object(const Table& table,
-                 const Position& at,
-                 Problems& problems,
-                 Places& places,
-                 std::vector<ObjectSpec>& objects);
+/// Reads one [[object]]: appends one object, or those of a set. Each is noted in the file's places
+/// as object.N with N its number among all objects.
+void read_object(const TableReader& given, std::vector<ObjectSpec>& objects);
 
 /// The [[object.segment]] tables of a free form as they are read; empty for two curves.
 [[nodiscard]] std::string segments_toml(const ObjectSpec& object);
@@ -38,8 +34,9 @@ struct SegmentTable {
     double curvature = 0.0;
 };
 
-/// What `kind` of a segment may be, in the order of its values.
-inline constexpr std::array<std::string_view, 3> kSegmentKinds{"nurbs", "line", "arc"};
+template <>
+inline constexpr std::array<std::string_view, 3> kWordsOf<stimuli::Segment::Kind>{"nurbs", "line",
+                                                                                  "arc"};
 /// The keys that a segment has beside its kind.
 [[nodiscard]] Keys keys_of_segment(stimuli::Segment::Kind kind);
 

@@ -91,8 +91,7 @@ ObserverModel parse_observer(std::string_view text, std::string_view file_name) 
     top.check_format(kObserverFormat);
     for (const Part& part : parts_of(model)) {
         if (auto table = top.table(part.name)) {
-            table->read(part.keys, part.record);
-            table->refuse_unknown();
+            table->read_last(part.keys, part.record);
         }
     }
     top.refuse_unknown();

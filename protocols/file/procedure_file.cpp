@@ -75,8 +75,7 @@ private:
         if (procedure.broken()) {  // all else depends on the kind
             return std::nullopt;
         }
-        procedure.read(keys_of_rule(rule_.kind), &rule_);
-        procedure.refuse_unknown();
+        procedure.read_last(keys_of_rule(rule_.kind), &rule_);
         check_tables();
         switch (rule_.kind) {
             case RuleKind::constant:
@@ -103,8 +102,8 @@ private:
             problems_.add(entry->at, fmt::format("{} is {}: write it as a table [{}]", name,
                                                  kind_of(entry->value), name));
         }
-        return {table == nullptr ? empty_ : *table, std::string(name),
-                entry == nullptr ? Position{} : entry->at, problems_, places_};
+        return top_.of(table == nullptr ? empty_ : *table, std::string(name),
+                       entry == nullptr ? Position{} : entry->at);
     }
 
     /// A table that says what a record holds.
@@ -112,8 +111,7 @@ private:
     Record filled(std::string_view name) {
         TableReader table = section(name);
         Record record;
-        table.read(procedure_keys(name), &record);
-        table.refuse_unknown();
+        table.read_last(procedure_keys(name), &record);
         return record;
     }
 
@@ -138,8 +136,7 @@ private:
     Pcg32 read_stream() {
         TableReader table = section("stream");
         StreamTable read;
-        table.read(procedure_keys("stream"), &read);
-        table.refuse_unknown();
+        table.read_last(procedure_keys("stream"), &read);
         if (!table.has("origin")) {
             return stream({.protocol_hash = {},
                            .participant = {},
@@ -172,8 +169,8 @@ private:
                                                     shown(value)));
                 continue;
             }
-            TableReader reader(*table, fmt::format("staircase.{}", specs.size() + 1), value.at,
-                               problems_, places_);
+            TableReader reader =
+                top_.of(*table, fmt::format("staircase.{}", specs.size() + 1), value.at);
             specs.push_back(read_staircase(reader, specs.size() + 1));
         }
         return specs;
@@ -181,8 +178,7 @@ private:
 
     static StaircaseSpec read_staircase(TableReader& table, std::size_t place) {
         StaircaseTable read;
-        table.read(procedure_keys("staircase"), &read);
-        table.refuse_unknown();
+        table.read_last(procedure_keys("staircase"), &read);
         StaircaseSpec& spec = read.spec;
         if (!table.has("name")) {
             spec.name = fmt::format("staircase_{}", place);
@@ -213,8 +209,7 @@ private:
                          "psi has two outcomes: give model kind \"psychometric\", or "
                          "procedure kind \"quest_plus\"");
         }
-        table.read(procedure_keys("model").last(1), &read);
-        table.refuse_unknown();
+        table.read_last(procedure_keys("model").last(1), &read);
         std::optional<OutcomeModel> model;
         table.attempt([&] { model = identification_model(read.alternatives); });
         return model;
@@ -235,8 +230,7 @@ private:
         if (psi) {
             read.slope_as = SlopeAs::log10_slope;
         }
-        table.read(keys.subspan(1, 3), &read);
-        table.refuse_unknown();
+        table.read_last(keys.subspan(1, 3), &read);
         if (psi &&
             (read.slope_as != SlopeAs::log10_slope || read.kind != ModelKind::psychometric)) {
             table.refuse(
@@ -264,8 +258,7 @@ private:
             keys.push_back(*key);
             keys.back().need = Need::required;
         }
-        table.read(keys, &read);
-        table.refuse_unknown();
+        table.read_last(keys, &read);
         std::vector<Axis> axes;
         for (const Key& key : keys) {
             axes.push_back({std::string(key.name),
@@ -292,11 +285,9 @@ private:
             }
             return weights;
         }
-        TableReader reader(*given, "prior." + axis.name, entry->value.at, problems_, places_,
-                           axis.name);
+        TableReader reader = top_.of(*given, "prior." + axis.name, entry->value.at, axis.name);
         NormalPrior prior;
-        reader.read(kNormalPrior, &prior);
-        reader.refuse_unknown();
+        reader.read_last(kNormalPrior, &prior);
         for (const double value : axis.values) {
             const double z = (value - prior.mean) / prior.sd;
             weights.push_back(exponential(-0.5 * z * z));

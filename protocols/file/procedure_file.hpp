@@ -40,16 +40,14 @@ struct ProcedureFile {
 inline constexpr std::int64_t kProcedureFormat = 1;
 
 enum class RuleKind : std::uint8_t { constant, staircase, quest, psi, quest_plus };
-inline constexpr std::array<std::string_view, 5> kRuleKinds{"constant", "staircase", "quest", "psi",
-                                                            "quest_plus"};
 enum class ModelKind : std::uint8_t { psychometric, covariate, identification };
-inline constexpr std::array<std::string_view, 3> kModelKinds{"psychometric", "covariate",
-                                                             "identification"};
 
 template <>
-inline constexpr auto kWordsOf<RuleKind> = kRuleKinds;
+inline constexpr std::array<std::string_view, 5> kWordsOf<RuleKind>{"constant", "staircase",
+                                                                    "quest", "psi", "quest_plus"};
 template <>
-inline constexpr auto kWordsOf<ModelKind> = kModelKinds;
+inline constexpr std::array<std::string_view, 3> kWordsOf<ModelKind>{"psychometric", "covariate",
+                                                                     "identification"};
 template <>
 inline constexpr auto kWordsOf<StepScale> = kStepScales;
 template <>
@@ -93,15 +91,7 @@ struct ModelTable {
 /// [stimuli] and [parameters]: values of an axis in the order of their rows.
 using AxesTable = std::array<std::vector<double>, 9>;
 
-/// A table that such files may have.
-struct ProcedureTable {
-    std::string_view name;
-    Keys keys;
-};
-
-/// All of them, in the order of the reference.
-[[nodiscard]] std::span<const ProcedureTable> procedure_tables() noexcept;
-/// Of this table; of [prior] those of [parameters].
+/// The keys of this table; of [prior] those of [parameters].
 [[nodiscard]] Keys procedure_keys(std::string_view table);
 
 /// The tables that each kind uses, beside [procedure] and [stream].

@@ -16,13 +16,9 @@ constexpr Range kShare{.min = 0.0, .max = 1.0};
 constexpr Range kCount{.min = 1.0, .max = 100'000.0};
 
 template <auto Member>
-Slot of_staircase(void* record) {
-    return slot_of(record_at<StaircaseTable>(record).spec.*Member);
-}
+constexpr auto of_staircase = at<&StaircaseTable::spec, Member>;
 template <std::size_t I>
-Slot axis(void* record) {
-    return &record_at<AxesTable>(record)[I];
-}
+constexpr auto axis = in<AxesTable, I>;
 
 using enum Need;
 
@@ -154,17 +150,18 @@ constexpr Key kParameters[]{
 };
 // clang-format on
 
-constexpr ProcedureTable kTablesOfProcedures[]{
+/// All that such files may have, in the order of the reference.
+constexpr std::pair<std::string_view, Keys> kTablesOfProcedures[]{
     {"procedure", kProcedure}, {"stream", kStream},        {"constant", kConstant},
     {"staircase", kStaircase}, {"quest", kQuest},          {"model", kModel},
     {"stimuli", kStimuli},     {"parameters", kParameters}};
 
 std::vector<TableText> procedure_reference() {
     std::vector<TableText> all;
-    for (const ProcedureTable& table : kTablesOfProcedures) {
-        const bool several = table.name == "staircase";
-        all.push_back({several ? "[[staircase]]" : fmt::format("[{}]", table.name),
-                       several ? "once each; several are interleaved" : "", table.keys});
+    for (const auto& [name, keys] : kTablesOfProcedures) {
+        const bool several = name == "staircase";
+        all.push_back({several ? "[[staircase]]" : fmt::format("[{}]", name),
+                       several ? "once each; several are interleaved" : "", keys});
     }
     all.push_back({"[prior]",
                    "of parameters by name, one that is left out is uniform: a list of weights, one "
@@ -176,8 +173,6 @@ std::vector<TableText> procedure_reference() {
 constexpr std::string_view kAxisText =
     "\nAn axis is a number, an increasing list, { from = ..., to = ..., count = ... } or\n"
     "{ from = ..., to = ..., step = ... }, the ends included.\n";
-
-namespace {
 
 std::vector<TableText> tables_after_objects() {
     const auto of_hash = [](std::string_view of) {
@@ -208,8 +203,6 @@ std::vector<TableText> tables_after_objects() {
          keys_of<InstructionTexts>()}};
 }
 
-}  // namespace
-
 std::vector<TableText> protocol_reference() {
     std::vector<TableText> all{
         {"[study]", "", keys_of<Protocol>()},
@@ -235,18 +228,12 @@ std::vector<TableText> protocol_reference() {
 
 }  // namespace
 
-std::span<const ProcedureTable> procedure_tables() noexcept {
-    return kTablesOfProcedures;
-}
-
 Keys procedure_keys(std::string_view table) {
     // Parameters of a prior are named as those of the model.
-    for (const ProcedureTable& one : kTablesOfProcedures) {
-        if (one.name == (table == "prior" ? "parameters" : table)) {
-            return one.keys;
-        }
-    }
-    return {};
+    const auto found =
+        std::ranges::find(kTablesOfProcedures, table == "prior" ? "parameters" : table,
+                          &std::pair<std::string_view, Keys>::first);
+    return found == std::end(kTablesOfProcedures) ? Keys() : found->second;
 }
 
 std::string procedure_key_reference() {

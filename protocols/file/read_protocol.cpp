@@ -38,7 +38,7 @@ public:
             table("surface", protocol.surface.emplace());
         }
         for (const TableReader& object : tables("object")) {
-            read_object(object.table(), object.at(), problems_, places_, protocol.objects);
+            read_object(object, protocol.objects);
         }
         frictions(protocol);
         table("safety", protocol.safety);
@@ -93,8 +93,7 @@ private:
 
     template <class Record>
     static void fill(TableReader& table, Record& record) {
-        table.fill(record);
-        table.refuse_unknown();
+        table.read_last(keys_of<Record>(), &record);
     }
 
     /// Without a rule that chooses, the design has to say how often each condition comes.
@@ -157,8 +156,7 @@ private:
                                       suggestion(language.key, kLanguages)));
         } else {
             const auto index = static_cast<std::size_t>(known - kLanguages.begin());
-            TableReader reader(*texts, "instructions." + language.key, language.at, problems_,
-                               places_);
+            TableReader reader = top_.of(*texts, "instructions." + language.key, language.at);
             fill(reader, protocol.instructions.at(index));
         }
     }

@@ -145,8 +145,8 @@ std::optional<TableReader> TableReader::table(std::string_view key) {
             fmt::format("{} is {}: write it as a table, [{}]", key, shown(entry->value), key));
         return std::nullopt;
     }
-    return TableReader(*table, path, entry->at, *problems_, *places_,
-                       path_.empty() ? std::string() : fmt::format("[{}] of {}", key, name_));
+    return of(*table, path, entry->at,
+              path_.empty() ? std::string() : fmt::format("[{}] of {}", key, name_));
 }
 
 std::vector<TableReader> TableReader::tables(std::string_view key) {
@@ -165,8 +165,7 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
     for (std::size_t i = 0; i < array->size(); ++i) {
         const Value& value = (*array)[i];
         if (const auto* table = std::get_if<Table>(&value.data)) {
-            readers.emplace_back(*table, fmt::format("{}.{}", key, readers.size() + 1), value.at,
-                                 *problems_, *places_);
+            readers.push_back(of(*table, fmt::format("{}.{}", key, readers.size() + 1), value.at));
         } else {
             add(value.at, fmt::format("{} {} is {}: write it as a table [[{}]]", key, i + 1,
                                       shown(value), key));
@@ -183,11 +182,6 @@ void TableReader::refuse(std::string_view key, std::string what) {
 void TableReader::add(const Position& at, std::string what) {
     broken_ = true;
     problems_->add(at, std::move(what));
-}
-
-void TableReader::take(Problems&& others) {
-    broken_ = broken_ || !others.none();
-    problems_->take(std::move(others));
 }
 
 }  // namespace palpate::protocols

@@ -313,7 +313,6 @@ private:
     }
 
     [[nodiscard]] std::vector<double> spread(const Table& table) const;
-    void check_ends(double from, double to) const;
 
     const Key& key_;
     const Value& value_;
@@ -321,16 +320,13 @@ private:
 };
 
 std::vector<double> Cell::spread(const Table& table) const {
-    Problems problems;
-    Places places;
-    TableReader reader(table, std::string(key_.name), value_.at, problems, places,
-                       std::string(key_.name));
+    const std::string name(key_.name);
+    TableReader reader = table_.of(table, name, value_.at, name);
     const bool by_step = reader.has("step");
     Spread all;
-    reader.read(by_step ? Keys(kSpreadByStep) : Keys(kSpreadByCount), &all);
-    reader.refuse_unknown();
+    reader.read_last(by_step ? Keys(kSpreadByStep) : Keys(kSpreadByCount), &all);
     if (reader.broken()) {
-        table_.take(std::move(problems));
+        table_.fail();
         return {};
     }
     const double steps =
@@ -347,18 +343,11 @@ std::vector<double> Cell::spread(const Table& table) const {
             "{} goes from {} to {} by {}, which does not end there: give another step, or a count",
             key_.name, all.from, all.to, all.step));
     }
-    std::vector<double> values = evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
-    check_ends(all.from, all.to);
-    return values;
-}
-
-void Cell::check_ends(double from, double to) const {
-    for (const double end : {from, to}) {
-        if (!key_.range.has(end)) {
-            say(fmt::format("{} holds {}: give numbers {}", key_.name, end, range_of(key_.range)));
-            return;
-        }
+    if (!key_.range.has(all.from) || !key_.range.has(all.to)) {
+        say(fmt::format("{} holds {}: give numbers {}", key_.name,
+                        key_.range.has(all.from) ? all.to : all.from, range_of(key_.range)));
     }
+    return evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
 }
 
 }  // namespace

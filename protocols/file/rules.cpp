@@ -79,24 +79,15 @@ private:
                "mu_d is {}, and bonds that form at random cannot pull less than mu_s / 3 = {:.3g} "
                "in the mean: give at least that",
                spec.mu_d, spec.mu_s / 3.0);
-        if (spec.law == "lugre_euler") {
-            refuse_euler(index);
-        }
-    }
-
-    void refuse_euler(std::size_t index) {
-        const FrictionSpec& spec = protocol_.frictions[index];
-        const ApparatusSpec& apparatus = protocol_.apparatus;
         const double stiffness =
             spec.own.stiffness > 0.0 ? spec.own.stiffness : apparatus.stiffness;
         const double speed = protocol_.safety.speed_limit;
-        const double load =
-            speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz);
-        add(path("friction", index, "law"),
-            fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d F_N) > "
-                        "2: at {:g} m/s below a load of {:.3g} N, and every contact begins with "
-                        "none; give \"lugre\", the same law by an exact step",
-                        speed, load));
+        add_if(spec.law == "lugre_euler", path("friction", index, "law"),
+               "law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d F_N) > 2: at "
+               "{:g} m/s below a load of {:.3g} N, and every contact begins with none; give "
+               "\"lugre\", the same law by an exact step",
+               speed,
+               speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz));
     }
 
     void timing() {
@@ -127,29 +118,24 @@ private:
         const std::size_t trials =
             conditions * (design.repetitions + design.practice_repetitions) + design.catch_trials +
             (design.order == OrderRule::first_order ? 1 : 0);  // the one that leads in
-        if (trials > kMaxTrials) {
-            add("design.repetitions",
-                fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
+        if (add_if(trials > kMaxTrials, "design.repetitions",
+                   "the session has {} trials: ask for {} or fewer", trials, kMaxTrials)) {
             return;
         }
         catch_trials();
-        if (const std::string why = why_not_in_blocks(protocol_); !why.empty()) {
-            add("design.friction_blocks",
-                fmt::format("friction_blocks is \"{}\": {}", word_of(design.friction_blocks), why));
+        const std::string why = why_not_in_blocks(protocol_);
+        if (add_if(!why.empty(), "design.friction_blocks", "friction_blocks is \"{}\": {}",
+                   word_of(design.friction_blocks), why)) {
             return;
         }
         if (design.order == OrderRule::first_order) {
             first_order(conditions);
-            return;
+        } else if (!add_if(design.repetitions % design.blocks != 0, "design.blocks",
+                           "blocks is {}, but {} cannot be divided evenly into them: give a "
+                           "divisor",
+                           design.blocks, counted(design.repetitions, "repetition"))) {
+            run_limits();
         }
-        if (design.repetitions % design.blocks != 0) {
-            add("design.blocks",
-                fmt::format(
-                    "blocks is {}, but {} cannot be divided evenly into them: give a divisor",
-                    design.blocks, counted(design.repetitions, "repetition")));
-            return;
-        }
-        run_limits();
     }
 
     [[nodiscard]] bool in_design(const std::string& key) const {
@@ -196,24 +182,20 @@ private:
             "give 0",
             least_right, word_of(kind), protocol_.procedure ? " to [procedure]" : "");
         const double least = protocol_.exclusion.catch_correct_min;
-        if (least == 0.0) {
-            return;
-        }
-        if (!pictures) {
-            add("exclusion.catch_correct_min",
-                fmt::format("catch_correct_min is {}, but kind is \"{}\", which has no pictures to "
-                            "choose from: give 0, or kind \"identification\"",
-                            least, word_of(kind)));
+        if (least == 0.0 ||
+            add_if(!pictures, "exclusion.catch_correct_min",
+                   "catch_correct_min is {}, but kind is \"{}\", which has no pictures to choose "
+                   "from: give 0, or kind \"identification\"",
+                   least, word_of(kind))) {
             return;
         }
         add_if(protocol_.design.catch_trials == 0, "exclusion.catch_correct_min",
                "catch_correct_min is {}, but catch_trials is 0: give 0, or catch trials", least);
         for (const ObjectSpec& object : protocol_.objects) {
-            if (!curvature_of(object)) {
-                add("exclusion.catch_correct_min",
-                    fmt::format("catch_correct_min is {}, but {} is a free form, of which no side "
-                                "is the outer one: give 0, or objects with curvature_per_m",
-                                least, object.name));
+            if (add_if(!curvature_of(object), "exclusion.catch_correct_min",
+                       "catch_correct_min is {}, but {} is a free form, of which no side is the "
+                       "outer one: give 0, or objects with curvature_per_m",
+                       least, object.name)) {
                 return;
             }
         }

@@ -22,15 +22,16 @@ protected:
     void add(const std::string& path, std::string what) {
         problems_.add(places_.of(path), std::move(what));
     }
-    /// If it is `wrong`, in a sentence as fmt::format() makes it.
+    /// If it is `wrong`, in a sentence as fmt::format() makes it. @return wrong
     template <class... Values>
-    void add_if(bool wrong,
+    bool add_if(bool wrong,
                 const std::string& path,
                 fmt::format_string<Values...> what,
                 Values&&... values) {
         if (wrong) {
             add(path, fmt::format(what, std::forward<Values>(values)...));
         }
+        return wrong;
     }
 
     const Protocol& protocol_;

@@ -42,17 +42,13 @@ struct SurfaceTable {
 
 constexpr Range kFew{.min = 0.0, .max = 10.0};
 
-template <auto Get>
-Slot of_friction(void* record) {
-    return slot_of(Get(record_at<FrictionTable>(record)));
-}
-
+template <auto... Steps>
+constexpr auto of_friction = at<&FrictionTable::friction, Steps...>;
 template <auto Member>
-Slot of_law(void* record) {
-    return slot_of(record_at<FrictionTable>(record).friction.own.*Member);
-}
+constexpr auto of_law = of_friction<&SceneFriction::own, Member>;
 
 using engine::LawSpec;
+using engine::Slew;
 using enum Need;
 
 // clang-format off
@@ -79,13 +75,13 @@ constexpr Key kGain[]{
 
 // Keys that a law does not use may stay, so that laws can be compared by changing one word.
 constexpr Key kSceneFriction[]{
-    {.name = "law", .slot = of_friction<[](auto& f) -> auto& { return f.friction.law; }>,
+    {.name = "law", .slot = of_friction<&SceneFriction::law>,
      .meaning = "by which the contact force is computed: one of a protocol's [laws](#laws-of-friction), thesis_literal or thesis_latched"},
-    {.name = "vertex_slew_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.speed; }>, .range = {0, 1e6},
+    {.name = "vertex_slew_m_per_s", .slot = of_friction<&SceneFriction::slew, &Slew::speed>, .range = {0, 1e6},
      .meaning = "how fast the contact may turn around a vertex; 0: at once"},
-    {.name = "vertex_radius_m", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.radius; }>, .range = {0, 1e3, true},
+    {.name = "vertex_radius_m", .slot = of_friction<&SceneFriction::slew, &Slew::radius>, .range = {0, 1e3, true},
      .meaning = "radius that a vertex counts as for that speed"},
-    {.name = "dead_band_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.dead_band; }>, .range = {0, 1e3},
+    {.name = "dead_band_m_per_s", .slot = of_friction<&SceneFriction::dead_band>, .range = {0, 1e3},
      .meaning = "the thesis' laws take slower closest points for resting"},
     {.name = "tau_slip_s", .slot = at<&FrictionTable::tau_slip>, .range = kFew,
      .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
@@ -220,8 +216,7 @@ std::vector<engine::TrimLoop> loops_of(const NumberGrid& trims) {
 
 void read_surface(TableReader table, SceneFile& scene) {
     SurfaceTable s;
-    table.read(kSurface, &s);
-    table.refuse_unknown();
+    table.read_last(kSurface, &s);
     table.attempt([&] {
         auto whole = std::make_shared<const engine::NurbsSurface>(s.degree_u, s.degree_v, s.knots_u,
                                                                   s.knots_v, s.points, s.weights);

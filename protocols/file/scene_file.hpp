@@ -31,10 +31,9 @@ enum class Tracker : std::uint8_t {
     newton,
 };
 
-inline constexpr std::array<std::string_view, 6> kTrackers{
-    "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
 template <>
-inline constexpr auto kWordsOf<Tracker> = kTrackers;
+inline constexpr std::array<std::string_view, 6> kWordsOf<Tracker>{
+    "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
 
 /// The largest coordinate, m: the squares of distances to farther places would overflow or round
 /// away.

@@ -109,9 +109,13 @@ using Slot = std::variant<double*,
                           PointGrid*,
                           NumberGrid*>;
 
+/// What is kept as a whole number.
+template <class T>
+concept WholeNumber = std::integral<T> || std::is_enum_v<T>;
+
 /// A member that is a whole number of any width, as a slot reads and writes it: by its address and
 /// two functions. @pre what is written fits; the key's range has been checked
-template <class T>
+template <WholeNumber T>
 [[nodiscard]] Whole whole_of(T& value) {
     return {&value,
             [](const void* p) {
@@ -156,7 +160,7 @@ template <class T>
 [[nodiscard]] Slot slot_of(T& value) {
     if constexpr (std::is_enum_v<T>) {
         return OneOf{words_of(T{}), whole_of(value)};
-    } else if constexpr (std::integral<T> && !std::is_same_v<T, bool>) {
+    } else if constexpr (!std::is_same_v<T, bool> && requires { whole_of(value); }) {
         return whole_of(value);
     } else {
         return &value;
@@ -175,13 +179,29 @@ namespace detail {
 template <class Record, class Member>
 Record owner_of(Member Record::*);
 }  // namespace detail
-
-/// The slot of a member of a record.
 template <auto Member>
-[[nodiscard]] Slot at(void* record) {
-    using Record = decltype(detail::owner_of(Member));
-    return slot_of(record_at<Record>(record).*Member);
+using OwnerOf = decltype(detail::owner_of(Member));
+
+/// What lies in a record: step by step a member, or an item by its number.
+template <auto Step, auto... Deeper, class Record>
+[[nodiscard]] auto& part_of(Record& record) {
+    if constexpr (sizeof...(Deeper) > 0) {
+        return part_of<Deeper...>(part_of<Step>(record));
+    } else if constexpr (std::is_member_pointer_v<decltype(Step)>) {
+        return record.*Step;
+    } else {
+        return record[Step];
+    }
 }
+
+/// The slot of a part of a record.
+template <class Record, auto... Steps>
+[[nodiscard]] Slot in(void* record) {
+    return slot_of(part_of<Steps...>(record_at<Record>(record)));
+}
+/// The same where the record is the struct of the first member.
+template <auto Member, auto... Deeper>
+inline constexpr auto at = in<OwnerOf<Member>, Member, Deeper...>;
 
 /// One key of a table.
 struct Key {
@@ -195,16 +215,9 @@ struct Key {
 };
 using Keys = std::span<const Key>;
 
-/// Rows of a table by the struct that it fills.
+/// The rows of the table of a protocol that fills this struct; [study] fills Protocol itself.
 template <class Record>
-struct KeysOf {
-    static const Keys value;
-};
-/// The rows of the table that fills this struct.
-template <class Record>
-[[nodiscard]] Keys keys_of() {
-    return KeysOf<Record>::value;
-}
+[[nodiscard]] Keys keys_of();
 
 /// "0 to 50", "above 0, at most 50", "0 or more", ...
 [[nodiscard]] std::string range_of(const Range& range);
@@ -272,6 +285,11 @@ public:
     void fill(Record& record, bool complete = true) {
         read(keys_of<Record>(), &record, complete);
     }
+    /// The same of the last keys: every other one that was neither read nor known is a problem.
+    void read_last(Keys keys, void* record) {
+        read(keys, record);
+        refuse_unknown();
+    }
     /// Keys that others read.
     void know(WordList keys);
     /// Every key that was neither read nor known is a problem.
@@ -287,10 +305,22 @@ public:
     /// Its path in the file, as Places has it: "design", "object.3"; and where it begins.
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
     [[nodiscard]] const Position& at() const noexcept { return at_; }
+    /// What messages call it.
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
     /// A table in this one, if it is there.
     [[nodiscard]] std::optional<TableReader> table(std::string_view key);
     /// The tables [[key]] in this one.
     [[nodiscard]] std::vector<TableReader> tables(std::string_view key);
+    /// A table of the same file. @param path, name  as in the constructor
+    [[nodiscard]] TableReader of(const Table& table,
+                                 std::string path,
+                                 const Position& at,
+                                 std::string name = {}) const {
+        return {table, std::move(path), at, *problems_, *places_, std::move(name)};
+    }
+
+    /// That it stands for this path as well.
+    void note(const std::string& path) const { places_->note(path, at_); }
 
     /// A problem of this key, or of the table if the key is not there.
     void refuse(std::string_view key, std::string what);
@@ -308,7 +338,7 @@ public:
         }
     }
     void add(const Position& at, std::string what);
-    void take(Problems&& others);
+    void fail() noexcept { broken_ = true; }  ///< its problem was noted elsewhere
     [[nodiscard]] bool broken() const noexcept { return broken_; }  ///< a problem was found so far
 
 private:

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -15,32 +16,19 @@
 namespace palpate::protocols {
 namespace {
 
+/// @param has  of a key, whether the record has it
 template <class Record>
-void append(std::string& text, std::string_view heading, const Record& record) {
-    const std::string lines = toml_lines(keys_of<Record>(), &record);
+void append(
+    std::string& text,
+    std::string_view heading,
+    const Record& record,
+    const std::function<bool(const Key&)>& has = [](const Key&) { return true; }) {
+    std::string lines;
+    for (const Key& key : keys_of<Record>()) {
+        lines += has(key) ? toml_lines({&key, 1}, &record) : "";
+    }
     if (!lines.empty()) {
         text += fmt::format("\n{}\n{}", heading, lines);
-    }
-}
-
-/// Without the keys that only another kind of object has.
-void append_undescribed(std::string& text, const ObjectSpec& object) {
-    text += "\n[[object]]\n";
-    for (const Key& key : keys_of<ObjectSpec>()) {
-        if (key.need == Need::required || key.need == Need::optional) {
-            text += toml_lines({&key, 1}, &object);
-        }
-    }
-}
-
-/// With the keys that its law reads.
-void append_friction(std::string& text, const FrictionSpec& friction) {
-    const LawKeys* law = keys_of_law(friction.law);
-    text += "\n[[friction]]\n";
-    for (const Key& key : keys_of<FrictionSpec>()) {
-        if (law == nullptr || law->reads(key)) {
-            text += toml_lines({&key, 1}, &friction);
-        }
     }
 }
 
@@ -120,15 +108,15 @@ void append_objects(std::string& text, const Protocol& protocol) {
         append(text, "[outline]", protocol.outline);
     }
     for (const ObjectSpec& object : protocol.objects) {
-        if (object.segments.empty()) {
-            append(text, "[[object]]", object);
-        } else {
-            append_undescribed(text, object);
-        }
+        const bool free = !object.segments.empty();
+        append(text, "[[object]]", object,
+               [free](const Key& key) { return !free || key.need != Need::two_curve; });
         text += segments_toml(object);
     }
     for (const FrictionSpec& friction : protocol.frictions) {
-        append_friction(text, friction);
+        const LawKeys* law = keys_of_law(friction.law);
+        append(text, "[[friction]]", friction,
+               [law](const Key& key) { return law == nullptr || law->reads(key); });
     }
 }
 

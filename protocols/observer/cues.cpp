@@ -147,9 +147,8 @@ struct SoftnessCues::Rest {
 };
 
 SoftnessCues::SoftnessCues(const Protocol& protocol) {
-    const auto felt = std::find_if(
-        protocol.objects.begin(), protocol.objects.end(),
-        [&](const ObjectSpec& object) { return object.name == protocol.procedure->object; });
+    const auto felt =
+        std::ranges::find(protocol.objects, protocol.procedure->object, &ObjectSpec::name);
     rest_ = std::make_shared<const Rest>(outline_of(protocol, *felt));
 }
 

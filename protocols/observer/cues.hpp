@@ -76,8 +76,7 @@ private:
     double friction_sum_ = 0.0;
     double friction_count_ = 0.0;
 
-    std::size_t chord_ =
-        kNone;  ///< of the last tick, kNone before the first contact and off the chords
+    std::size_t chord_ = kNone;  ///< of the last tick, kNone before contact and off the chords
     engine::Vec3 last_hip_{};
     engine::Vec3 last_go_{};
     double velocity_ = 0.0;  ///< smoothed, m per tick along the chord

@@ -26,8 +26,7 @@ namespace palpate::protocols {
 /// read.
 class OutlineCues {
 public:
-    static constexpr int kEach =
-        5;  ///< 200 points a second: a hand goes half a millimetre meanwhile
+    static constexpr int kEach = 5;  ///< 200 points a second: a hand goes 0.5 mm meanwhile
 
     /// @param pictures  place -> index into Protocol::objects
     OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures);

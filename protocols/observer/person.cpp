@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 
@@ -57,9 +58,7 @@ std::pair<double, double> bounds_of(const Protocol& protocol,
 
 Person drawn_person(const ObserverModel& model, StreamKey key) {
     key.session = 0;
-    key.block = 0;
-    key.purpose = purpose::person;
-    Pcg32 random = stream(key);
+    Pcg32 random = stream(std::move(key), purpose::person);
     const PeopleSpec& sd = model.people;
     Person person{.spec = model.typical,
                   .noise_per_mu = model.friction.noise_per_mu,
@@ -230,15 +229,12 @@ bool JudgedPeople::is_right(const Person& who,
 }
 
 JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::size_t number) const {
-    const Person who = drawn_person(model_, {.protocol_hash = "power",
-                                             .participant = fmt::format("{}:{}", study, number),
-                                             .purpose = {},
-                                             .seed = seed});
-    Pcg32 random = stream({.protocol_hash = "power",
-                           .participant = fmt::format("{}:{}", study, number),
-                           .session = 1,
-                           .purpose = std::string(purpose::observer),
-                           .seed = seed});
+    const StreamKey key{.protocol_hash = "power",
+                        .participant = fmt::format("{}:{}", study, number),
+                        .purpose = {},
+                        .seed = seed};
+    const Person who = drawn_person(model_, key);
+    Pcg32 random = stream(key, purpose::observer);
     JudgedPerson made{.trials = judged_ / 2};
     made.share_without = share(who, without_);
     const double felt_share = share(who, with_);
@@ -249,9 +245,7 @@ JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::si
         felt_share < made.share_with ? (made.share_with - felt_share) / (1.0 - felt_share) : 0.0;
 
     std::vector<std::size_t> order(judged_);  // which condition comes when
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        order[i] = i;
-    }
+    std::iota(order.begin(), order.end(), std::size_t{0});
     shuffle(std::span(order), random);
     for (std::size_t i = 0; i < order.size(); ++i) {
         const bool with = order[i] >= made.trials;

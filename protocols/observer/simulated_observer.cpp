@@ -19,25 +19,14 @@ constexpr double kLog10OfE = 0.43429448190325182;
 
 /// s; nobody is faster.
 constexpr double kQuickest = 0.25;
-constexpr const char* kPurpose = "observer";
-
-SimulatedObserver::SimulatedObserver(const Protocol& protocol,
-                                     StreamKey key,
-                                     const std::vector<std::size_t>& picture_order,
-                                     std::function<bool()> hand_is_done)
-    : SimulatedObserver(protocol,
-                        std::move(key),
-                        picture_order,
-                        std::move(hand_is_done),
-                        Person{.spec = protocol.observer}) {}
 
 SimulatedObserver::SimulatedObserver(const Protocol& protocol,
                                      StreamKey key,
                                      const std::vector<std::size_t>& picture_order,
                                      std::function<bool()> hand_is_done,
-                                     const Person& person)
+                                     const std::optional<Person>& person)
     : outline_(protocol.outline),
-      person_(person),
+      person_(person.value_or(Person{.spec = protocol.observer})),
       key_(std::move(key)),
       asked_(protocol.procedure ? protocol.procedure->varies : Varies::curvature),
       criterion_(asked_ == Varies::mu ? kFrictionSeen : 0.0),
@@ -77,10 +66,6 @@ void SimulatedObserver::know_range(const Protocol& protocol) {
     }
 }
 
-Signal SimulatedObserver::welcome(const SessionView& /*session*/) {
-    return Signal::go_on;
-}
-
 Signal SimulatedObserver::ready(const TrialView& trial) {
     time_s_ += std::exchange(explored_s_, 0.0);
     if (trial.interval == 1) {
@@ -116,10 +101,8 @@ void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
 
 Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
     done_ = trial.done;
-    key_.block = trial.done + 1;
-    key_.purpose =
-        trial.unanswered == 0 ? kPurpose : fmt::format("{} {}", kPurpose, trial.unanswered);
-    Pcg32 random = stream(key_);
+    const std::string again = trial.unanswered == 0 ? "" : fmt::format(" {}", trial.unanswered);
+    Pcg32 random = stream(key_, std::string(purpose::observer) + again, trial.done + 1);
     const bool lapse = uniform_draw(random) < person_.spec.lapse;
     const double noise = normal_draw(random);
     const auto any =
@@ -220,13 +203,6 @@ Signal SimulatedObserver::gap(double seconds) {
     time_s_ += std::exchange(explored_s_, 0.0) + seconds;
     return Signal::go_on;
 }
-
-Signal SimulatedObserver::rest(double seconds, const TrialView& /*next*/) {
-    time_s_ += std::exchange(explored_s_, 0.0) + seconds;
-    return Signal::go_on;
-}
-
-void SimulatedObserver::finish(const SessionView& /*session*/) {}
 
 std::optional<double> SimulatedObserver::percept_of(std::size_t interval, double noise) noexcept {
     if (asked_ == Varies::compliance) {

@@ -52,25 +52,23 @@ public:
     /// @param key            of the session; block and purpose are set here, trial by trial
     /// @param picture_order  place on the screen -> index into protocol.objects, as in the plan
     /// @param hand_is_done   the hand that explores for this observer has finished
-    SimulatedObserver(const Protocol& protocol,
-                      StreamKey key,
-                      const std::vector<std::size_t>& picture_order,
-                      std::function<bool()> hand_is_done);
-    /// The same of this person, whatever [observer] says.
+    /// @param person         none: as [observer] of the protocol says
     SimulatedObserver(const Protocol& protocol,
                       StreamKey key,
                       const std::vector<std::size_t>& picture_order,
                       std::function<bool()> hand_is_done,
-                      const Person& person);
+                      const std::optional<Person>& person = {});
 
-    [[nodiscard]] Signal welcome(const SessionView& session) override;
+    [[nodiscard]] Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
     [[nodiscard]] Signal ready(const TrialView& trial) override;
     [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
     [[nodiscard]] Signal gap(double seconds) override;
-    [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
-    void finish(const SessionView& session) override;
+    [[nodiscard]] Signal rest(double seconds, const TrialView& /*next*/) override {
+        return gap(seconds);
+    }
+    void finish(const SessionView& /*session*/) override {}
 
     /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes
     /// were compared.

@@ -1,7 +1,6 @@
 #include "protocols/order/constrained_order.hpp"
 
 #include <array>
-#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,27 +12,16 @@ namespace {
 
 using Level = std::size_t Condition::*;
 
-std::map<std::size_t, std::size_t> occurrences(std::span<const Condition> trials, Level factor) {
-    std::map<std::size_t, std::size_t> counts;
-    for (const Condition& condition : trials) {
-        ++counts[condition.*factor];
-    }
-    return counts;
-}
-
 std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trials,
-                                                Level factor,
                                                 const RunLimits& limits,
                                                 Infeasible::Factor which) {
     const bool of_object = which == Infeasible::Factor::object;
     const std::size_t limit = of_object ? limits.object : limits.friction;
-    if (limit == 0) {
-        return std::nullopt;
-    }
+    const Level factor = of_object ? &Condition::object : &Condition::friction;
     for (const auto& [level, count] : occurrences(trials, factor)) {
         const std::size_t others = trials.size() - count;
         const std::size_t needed = (count + others) / (others + 1);  // ceil(count / (others + 1))
-        if (needed > limit) {
+        if (limit > 0 && needed > limit) {
             return Infeasible{
                 which,
                 fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a row "
@@ -47,14 +35,22 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
 
 }  // namespace
 
+std::map<std::size_t, std::size_t> occurrences(std::span<const Condition> trials,
+                                               std::size_t Condition::*factor) {
+    std::map<std::size_t, std::size_t> counts;
+    for (const Condition& condition : trials) {
+        ++counts[condition.*factor];
+    }
+    return counts;
+}
+
 std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                          const RunLimits& limits) {
     using enum Infeasible::Factor;
-    if (auto why = too_many_of_one_level(trials, &Condition::object, limits, object)) {
-        return why;
-    }
-    if (auto why = too_many_of_one_level(trials, &Condition::friction, limits, friction)) {
-        return why;
+    for (const Infeasible::Factor factor : {object, friction}) {
+        if (auto why = too_many_of_one_level(trials, limits, factor)) {
+            return why;
+        }
     }
     const bool both_alternate = limits.object == 1 && limits.friction == 1 &&
                                 occurrences(trials, &Condition::object).size() == 2 &&

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -19,8 +20,6 @@ struct RunLimits {
     std::size_t object = 0;
     std::size_t friction = 0;
     std::array<std::string_view, 2> words{"object", "friction"};  ///< as a sentence calls them
-
-    friend bool operator==(const RunLimits&, const RunLimits&) = default;
 };
 
 /// No order of the trials keeps the limits, or none was found in reasonable time.
@@ -28,6 +27,10 @@ class OrderError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
+
+/// How often each level of a factor comes.
+[[nodiscard]] std::map<std::size_t, std::size_t> occurrences(std::span<const Condition> trials,
+                                                             std::size_t Condition::*factor);
 
 /// Why no order of `trials` can keep the limits, where that is cheap to see; nothing otherwise.
 ///

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <ranges>
 
 namespace palpate::protocols {
 namespace {
@@ -36,13 +37,9 @@ ScaledNumber scaled(const Natural& n) {
 /// The different levels of a factor, in order.
 std::vector<std::size_t> levels_of(std::span<const Condition> trials,
                                    std::size_t Condition::*factor) {
-    std::vector<std::size_t> levels;
-    for (const Condition& condition : trials) {
-        levels.push_back(condition.*factor);
-    }
-    std::sort(levels.begin(), levels.end());
-    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-    return levels;
+    const auto counts = occurrences(trials, factor);
+    const auto levels = std::views::keys(counts);
+    return {levels.begin(), levels.end()};
 }
 
 std::size_t place_in(const std::vector<std::size_t>& levels, std::size_t level) {
@@ -169,13 +166,13 @@ OrderCounter::Key OrderCounter::key_of(const Place& at) const {
     const auto row = [&](std::size_t object) {
         return std::span(at.left).subspan(object * frictions_, frictions_);
     };
-    const bool object_bound = limits_.object > 0 && at.object_run > 0;
+    const bool object_bound = limits_.object > 0 && at.last.object_run > 0;
     if (object_bound) {
-        key.append(row(at.object).begin(), row(at.object).end());
+        key.append(row(at.last.object).begin(), row(at.last.object).end());
     }
     const std::size_t first = key.size();
     for (std::size_t object = 0; object < objects_; ++object) {
-        if (object_bound && object == at.object) {
+        if (object_bound && object == at.last.object) {
             continue;
         }
         std::size_t place = first;  // insertion sort: there are a handful of rows
@@ -189,53 +186,36 @@ OrderCounter::Key OrderCounter::key_of(const Place& at) const {
         key.insert(key.begin() + static_cast<std::ptrdiff_t>(place), one.begin(), one.end());
     }
     if (limits_.object > 0) {
-        key.push_back(static_cast<char16_t>(at.object_run));
+        key.push_back(static_cast<char16_t>(at.last.object_run));
     }
     if (limits_.friction > 0) {
-        key.push_back(static_cast<char16_t>(at.friction));
-        key.push_back(static_cast<char16_t>(at.friction_run));
+        key.push_back(static_cast<char16_t>(at.last.friction));
+        key.push_back(static_cast<char16_t>(at.last.friction_run));
     }
     return key;
 }
 
 bool OrderCounter::step(Place& at, std::size_t object, std::size_t friction) const noexcept {
+    const auto run = [](bool goes_on, std::uint16_t so_far) {
+        return static_cast<std::uint16_t>(goes_on ? so_far + 1 : 1);
+    };
     std::uint16_t& left = at.left[object * frictions_ + friction];
-    const bool begun = at.object_run > 0;
-    const std::uint16_t object_run = begun && object == at.object
-                                       ? static_cast<std::uint16_t>(at.object_run + 1)
-                                       : std::uint16_t{1};
-    const std::uint16_t friction_run = begun && friction == at.friction
-                                         ? static_cast<std::uint16_t>(at.friction_run + 1)
-                                         : std::uint16_t{1};
-    if (left == 0 || (limits_.object > 0 && object_run > limits_.object) ||
-        (limits_.friction > 0 && friction_run > limits_.friction)) {
+    const Last next{object, friction, run(object == at.last.object, at.last.object_run),
+                    run(friction == at.last.friction, at.last.friction_run)};
+    if (left == 0 || (limits_.object > 0 && next.object_run > limits_.object) ||
+        (limits_.friction > 0 && next.friction_run > limits_.friction)) {
         return false;
     }
     --left;
     --at.rest;
-    at.object = object;
-    at.friction = friction;
-    at.object_run = object_run;
-    at.friction_run = friction_run;
+    at.last = next;
     return true;
 }
 
-OrderCounter::Place OrderCounter::runs_of(const Place& at) {
-    return {.left = {},
-            .rest = at.rest,
-            .object = at.object,
-            .friction = at.friction,
-            .object_run = at.object_run,
-            .friction_run = at.friction_run};
-}
-
-void OrderCounter::undo(Place& at, const Place& from) const noexcept {
-    ++at.left[at.object * frictions_ + at.friction];
-    at.rest = from.rest;
-    at.object = from.object;
-    at.friction = from.friction;
-    at.object_run = from.object_run;
-    at.friction_run = from.friction_run;
+void OrderCounter::undo(Place& at, const Last& from) const noexcept {
+    ++at.left[at.last.object * frictions_ + at.last.friction];
+    ++at.rest;
+    at.last = from;
 }
 
 const Natural* OrderCounter::count(Place& at, std::size_t max_states) {
@@ -244,7 +224,7 @@ const Natural* OrderCounter::count(Place& at, std::size_t max_states) {
         return &known->second;
     }
     Natural sum = at.rest == 0 ? 1 : 0;
-    const Place from = runs_of(at);
+    const Last from = at.last;
     for (std::size_t object = 0; object < objects_; ++object) {
         for (std::size_t friction = 0; friction < frictions_; ++friction) {
             if (!step(at, object, friction)) {
@@ -269,7 +249,7 @@ OrderWalk::OrderWalk(const OrderCounter& counter)
 
 Condition OrderWalk::next(Pcg32& random) {
     Natural drawn = draw_below(*ways_, random);
-    const OrderCounter::Place from = OrderCounter::runs_of(at_);
+    const OrderCounter::Last from = at_.last;
     for (std::size_t object = 0; object < counter_->objects_; ++object) {
         for (std::size_t friction = 0; friction < counter_->frictions_; ++friction) {
             if (!counter_->step(at_, object, friction)) {
@@ -296,24 +276,16 @@ std::map<Condition, std::size_t> cells_of(std::span<const Condition> trials) {
 }
 
 Natural orders_of(std::span<const Condition> trials) {
-    std::vector<std::size_t> counts;
-    for (const auto& [condition, count] : cells_of(trials)) {
-        counts.push_back(count);
-    }
-    return multinomial(counts);
+    const auto cells = cells_of(trials);
+    const auto counts = std::views::values(cells);
+    return multinomial({counts.begin(), counts.end()});
 }
 
 std::vector<std::size_t> counts_of(std::span<const Condition> trials,
                                    std::size_t Condition::*factor) {
-    std::map<std::size_t, std::size_t> counts;
-    for (const Condition& condition : trials) {
-        ++counts[condition.*factor];
-    }
-    std::vector<std::size_t> numbers;
-    for (const auto& [level, count] : counts) {
-        numbers.push_back(count);
-    }
-    return numbers;
+    const auto levels = occurrences(trials, factor);
+    const auto counts = std::views::values(levels);
+    return {counts.begin(), counts.end()};
 }
 
 bool binds(std::span<const std::size_t> counts, std::size_t limit) noexcept {

@@ -66,12 +66,16 @@ public:
 private:
     friend class OrderWalk;
 
+    /// The last trial, and its runs so far.
+    struct Last {
+        std::size_t object = 0, friction = 0;
+        std::uint16_t object_run = 0, friction_run = 0;  ///< 0: before the first trial
+    };
     /// Where an order has got to. `left` has a row an object and a column a friction.
     struct Place {
         std::vector<std::uint16_t> left;
         std::size_t rest = 0;  ///< sum of `left`
-        std::size_t object = 0, friction = 0;
-        std::uint16_t object_run = 0, friction_run = 0;  ///< 0: before the first trial
+        Last last{};
     };
     using Key = std::u16string;
 
@@ -80,9 +84,8 @@ private:
     [[nodiscard]] Key key_of(const Place& at) const;
     /// Goes on with a trial, if there is one left and the limits allow it.
     [[nodiscard]] bool step(Place& at, std::size_t object, std::size_t friction) const noexcept;
-    /// Back to before that step. `from`: the last trial and runs of then; its `left` is not read.
-    void undo(Place& at, const Place& from) const noexcept;
-    [[nodiscard]] static Place runs_of(const Place& at);
+    /// Back to before that step. @param from  the last trial of then
+    void undo(Place& at, const Last& from) const noexcept;
     /// Fills the table from `at` on. Nothing: too many states.
     const Natural* count(Place& at, std::size_t max_states);
 

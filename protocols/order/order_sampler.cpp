@@ -123,46 +123,38 @@ std::size_t OrderSampler::max_states(std::size_t trials) noexcept {
 const OrderCounter* OrderSampler::counter_of(Level factor) {
     Lazy& lazy = factor == &Condition::object ? object_ : friction_;
     const std::size_t max = max_states(trials_.size());
-    if (!std::exchange(lazy.tried, true) &&
-        !too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), max)) {
+    if (!lazy && too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), max)) {
+        lazy = nullptr;
+    } else if (!lazy) {
         std::vector<Condition> alone;
         for (const Condition& condition : trials_) {
             alone.push_back({.object = condition.*factor});
         }
-        lazy.counter =
+        lazy =
             counter_or_none(OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, max));
     }
-    return lazy.counter.get();
+    return lazy->get();
 }
 
 const OrderCounter* OrderSampler::counter_of_both() {
-    if (!std::exchange(both_.tried, true)) {
-        both_.counter =
-            counter_or_none(OrderCounter::build(trials_, limits_, max_states(trials_.size())));
+    if (!both_) {
+        both_ = counter_or_none(OrderCounter::build(trials_, limits_, max_states(trials_.size())));
         refuse_if<OrderError>(
-            both_.counter && both_.counter->total().is_zero(),
+            *both_ && (*both_)->total().is_zero(),
             "no order keeps the run limits ({}) at once, though each alone can be "
             "kept: allow longer runs of one of them",
             text_of(limits_));
     }
-    return both_.counter.get();
+    return both_->get();
 }
 
 bool OrderSampler::can(OrderWay way) {
-    switch (way) {
-        case OrderWay::shuffles:
-            return true;
-        case OrderWay::friction_counted:
-            return counter_of(&Condition::friction) != nullptr;
-        case OrderWay::object_counted:
-            return counter_of(&Condition::object) != nullptr;
-        case OrderWay::together:
-            return counter_of_both() != nullptr;
-        case OrderWay::apart:
-            return counter_of(&Condition::object) != nullptr &&
-                   counter_of(&Condition::friction) != nullptr;
-    }
-    return false;
+    using enum OrderWay;
+    const bool objects = way == object_counted || way == apart;
+    const bool frictions = way == friction_counted || way == apart;
+    return (!objects || counter_of(&Condition::object) != nullptr) &&
+           (!frictions || counter_of(&Condition::friction) != nullptr) &&
+           (way != together || counter_of_both() != nullptr);
 }
 
 OrderWay OrderSampler::first_way() {

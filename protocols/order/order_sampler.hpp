@@ -74,11 +74,8 @@ public:
 
 private:
     using Level = std::size_t Condition::*;
-    /// A counter is made when it is first asked for, and may prove too large.
-    struct Lazy {
-        bool tried = false;
-        std::shared_ptr<const OrderCounter> counter{};  ///< null: too large
-    };
+    /// A counter is made when it is first asked for; null: it proved too large.
+    using Lazy = std::optional<std::shared_ptr<const OrderCounter>>;
 
     /// The trials with one level of the counted factor; the first `left` are still to be dealt.
     struct Pile {

@@ -77,8 +77,6 @@ struct OutcomeModel {
 struct Axis {
     std::string name;
     std::vector<double> values;  ///< finite, strictly increasing, at least one
-
-    friend bool operator==(const Axis&, const Axis&) = default;
 };
 
 /// The product of its axes. Cells are numbered with the last axis running fastest.
@@ -105,8 +103,6 @@ public:
     /// are.
     /// @throws std::invalid_argument if the point has other dimensions or is not on the grid
     [[nodiscard]] std::size_t cell_at(std::span<const double> point) const;
-
-    friend bool operator==(const Grid&, const Grid&) = default;
 
 private:
     std::vector<Axis> axes_;

@@ -58,7 +58,6 @@ Procedure::State Procedure::start(const ProcedureSpec& spec, Pcg32 random) {
             return Staircases(s, random);
         }
         State operator()(const QuestSpec& s) const { return Quest(s); }
-        State operator()(const PsiSpec& s) const { return QuestPlus(quest_plus_spec(s)); }
         State operator()(const QuestPlusSpec& s) const { return QuestPlus(s); }
     };
     return std::visit(Start{random}, spec);
@@ -188,10 +187,6 @@ RuleFacts facts(const QuestPlusSpec& spec) {
             .outcomes = spec.model.outcomes,
             .lowest_key = "stimuli.stimulus",
             .highest_key = "stimuli.stimulus"};
-}
-
-RuleFacts facts(const PsiSpec& spec) {
-    return facts(quest_plus_spec(spec));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "protocols/procedure/quest.hpp"
 #include "protocols/procedure/quest_plus.hpp"
 #include "protocols/procedure/staircase.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 
@@ -22,8 +23,6 @@ struct ConstantStimuliSpec {
     std::size_t repetitions = 10;  ///< of the whole list
     bool in_blocks = false;        ///< true: every run through the list is shuffled by itself
     std::size_t outcomes = 2;
-
-    friend bool operator==(const ConstantStimuliSpec&, const ConstantStimuliSpec&) = default;
 };
 
 /// The method of constant stimuli: every value equally often in random order, whatever the
@@ -62,11 +61,8 @@ private:
 inline constexpr std::size_t kMaxConstantTrials = 100'000;
 
 /// What may choose stimuli, before it starts.
-struct ProcedureSpec : std::variant<ConstantStimuliSpec,
-                                    std::vector<StaircaseSpec>,
-                                    QuestSpec,
-                                    PsiSpec,
-                                    QuestPlusSpec> {
+struct ProcedureSpec
+    : std::variant<ConstantStimuliSpec, std::vector<StaircaseSpec>, QuestSpec, QuestPlusSpec> {
     using variant::variant;
 };
 
@@ -82,7 +78,7 @@ struct ProcedureSpec : std::variant<ConstantStimuliSpec,
 /// trial, and state_hash() tells whether the rebuilt state is the one that was recorded.
 class Procedure {
 public:
-    /// @param random  draws the orders and the interleaving; QUEST, Psi and QUEST+ draw nothing
+    /// @param random  draws the orders and the interleaving; QUEST and QUEST+ draw nothing
     /// @throws std::invalid_argument with the value and the remedy
     Procedure(const ProcedureSpec& spec, Pcg32 random);
     Procedure(const Procedure& other);
@@ -109,7 +105,7 @@ public:
     [[nodiscard]] std::string_view track() const;
     /// None for constant stimuli.
     [[nodiscard]] std::vector<Estimate> estimates() const;
-    /// QuestPlus::jnd(), of Psi too; none of other rules: they assume a slope, or none.
+    /// QuestPlus::jnd(); none of other rules: they assume a slope, or none.
     [[nodiscard]] std::optional<Estimate> jnd() const;
     /// Of the posterior, bits; none for constant stimuli and staircases.
     [[nodiscard]] std::optional<double> entropy() const;
@@ -126,20 +122,6 @@ private:
 };
 
 /// What is known of a rule before it starts.
-struct RuleFacts {
-    std::size_t trials = 0;  ///< it ends after so many, whatever is answered
-    double lowest = 0.0;     ///< it never chooses less
-    double highest = 0.0;    ///< nor more
-    std::size_t outcomes = 2;
-    std::string lowest_key{};   ///< which key says `lowest`, as in "staircase.2.lowest"
-    std::string highest_key{};  ///< and `highest`
-    /// An outcome of 1 is more likely than not wherever it stays: what is chosen is the greater
-    /// one.
-    bool one_sided = false;
-
-    friend bool operator==(const RuleFacts&, const RuleFacts&) = default;
-};
-
 /// @throws std::invalid_argument with the remedy if its number of trials depends on the answers, or
 ///         if it chooses more than one number
 [[nodiscard]] RuleFacts facts_of(const ProcedureSpec& spec);

@@ -89,18 +89,9 @@ double Quest::at(std::size_t i) const noexcept {
 }
 
 std::vector<double> Quest::next() const {
-    double x = 0.0;
-    switch (spec_.rule) {
-        case QuestRule::quantile:
-            x = quantile(order_);
-            break;
-        case QuestRule::mean:
-            x = mean();
-            break;
-        case QuestRule::mode:
-            x = mode();
-            break;
-    }
+    const double x = spec_.rule == QuestRule::mean ? mean()
+                   : spec_.rule == QuestRule::mode ? mode()
+                                                   : quantile(order_);
     return {std::clamp(x, spec_.lowest, spec_.highest)};
 }
 
@@ -142,15 +133,6 @@ double Quest::mean() const noexcept {
 double Quest::mode() const noexcept {
     return at(static_cast<std::size_t>(std::max_element(weights_.begin(), weights_.end()) -
                                        weights_.begin()));
-}
-
-double Quest::sd() const noexcept {
-    const double centre = mean();
-    double square = 0.0;
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
-        square += weights_[i] * (at(i) - centre) * (at(i) - centre);
-    }
-    return std::sqrt(square);
 }
 
 double Quest::quantile(double order) const noexcept {

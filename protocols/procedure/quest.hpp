@@ -36,8 +36,6 @@ struct QuestSpec {
     double lowest = -1e10;  ///< what is shown is kept from lowest to highest
     double highest = 1e10;
     std::size_t trials = 40;
-
-    friend bool operator==(const QuestSpec&, const QuestSpec&) = default;
 };
 
 /// QUEST (A. B. Watson and D. G. Pelli, "QUEST: A Bayesian adaptive psychometric method",
@@ -81,7 +79,6 @@ public:
     /// Of the posterior of the threshold, in the stimulus' unit.
     [[nodiscard]] double mean() const noexcept;
     [[nodiscard]] double mode() const noexcept;  ///< the first of the largest weights
-    [[nodiscard]] double sd() const noexcept;
     /// @param order  0..1
     [[nodiscard]] double quantile(double order) const noexcept;
     [[nodiscard]] double quantile_order() const noexcept { return order_; }
@@ -94,8 +91,8 @@ private:
     std::ptrdiff_t half_ = 0;  ///< cells on either side of the guess
     double offset_ = 0.0;      ///< e
     double order_ = 0.5;
-    std::shared_ptr<const std::vector<double>>
-        right_;  ///< P(1) at -2 half ... 2 half grains from t
+    /// P(1) at -2 half ... 2 half grains from t.
+    std::shared_ptr<const std::vector<double>> right_;
     std::vector<double> weights_;
     std::size_t trials_ = 0;
 };

@@ -64,35 +64,25 @@ std::vector<double> normalised(std::span<const double> weights, const Axis& axis
 
 }  // namespace
 
-std::vector<double> expected_entropies(const LikelihoodTable& table,
-                                       std::span<const double> weights) {
-    const double now = entropy_of(weights);
-    std::vector<double> expected(table.stimuli().size());
-    for (std::size_t x = 0; x < expected.size(); ++x) {
-        double predicted = 0.0;  // H(R|x)
-        double rest = 1.0;
-        for (std::size_t r = 0; r + 1 < table.outcomes(); ++r) {
-            const double chance = dot(weights, table.chances(x, r));
-            predicted -= p_log_p(chance);
-            rest -= chance;
-        }
-        predicted -= p_log_p(rest);
-        expected[x] = now - (predicted - dot(weights, table.outcome_entropy(x)));
-    }
-    return expected;
-}
+/// Which combination of the wanted parameters each cell has.
+struct CellGroups {
+    std::vector<std::uint32_t> of;  ///< of every cell, below `count`
+    std::size_t count = 0;
+    std::size_t run = 1;  ///< cells run * i ... run * i + run - 1 share one, for every i
+};
 
+namespace {
+
+/// Groups of the cells that differ in nothing but `nuisance`.
+/// @throws std::invalid_argument for a nuisance that is no axis, or if nothing else is left
 CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisance) {
     const auto is_nuisance = [nuisance](const Axis& axis) {
-        return std::find(nuisance.begin(), nuisance.end(), axis.name) != nuisance.end();
+        return std::ranges::find(nuisance, axis.name) != nuisance.end();
     };
     for (const std::string& name : nuisance) {
         const auto axes = parameters.axes();
-        if (std::none_of(axes.begin(), axes.end(),
-                         [&name](const Axis& axis) { return axis.name == name; })) {
-            throw std::invalid_argument(
-                fmt::format("the nuisance {} is no parameter of the model: delete it", name));
-        }
+        refuse_if(std::ranges::find(axes, name, &Axis::name) == axes.end(),
+                  "the nuisance {} is no parameter of the model: delete it", name);
     }
     CellGroups groups{.of = std::vector<std::uint32_t>(parameters.size()), .count = 1};
     bool any = false;
@@ -114,6 +104,8 @@ CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisan
     return groups;
 }
 
+/// expected_entropies() of the posterior of some parameters alone, the others (nuisance) summed out
+/// before the entropy is taken (Prins 2013, "the psi-marginal adaptive method").
 std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
                                                 std::span<const double> weights,
                                                 const CellGroups& groups) {
@@ -134,6 +126,26 @@ std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
             }
             expected[x] += p_log_p(sum);
         }
+    }
+    return expected;
+}
+
+}  // namespace
+
+std::vector<double> expected_entropies(const LikelihoodTable& table,
+                                       std::span<const double> weights) {
+    const double now = entropy_of(weights);
+    std::vector<double> expected(table.stimuli().size());
+    for (std::size_t x = 0; x < expected.size(); ++x) {
+        double predicted = 0.0;  // H(R|x)
+        double rest = 1.0;
+        for (std::size_t r = 0; r + 1 < table.outcomes(); ++r) {
+            const double chance = dot(weights, table.chances(x, r));
+            predicted -= p_log_p(chance);
+            rest -= chance;
+        }
+        predicted -= p_log_p(rest);
+        expected[x] = now - (predicted - dot(weights, table.outcome_entropy(x)));
     }
     return expected;
 }
@@ -233,23 +245,6 @@ std::string QuestPlus::state_hash() const {
     bytes.add(posterior_.weights());
     return bytes.hash();
 }
-
-QuestPlusSpec quest_plus_spec(const PsiSpec& psi) {
-    std::vector<Axis> parameters{{"threshold", psi.thresholds}, {"log10_slope", psi.log10_slopes}};
-    if (psi.form != LapseForm::two_sided) {
-        parameters.push_back({"guess", psi.guesses});
-    }
-    parameters.push_back({"lapse", psi.lapses});
-    return {.model = psychometric_model(psi.family, psi.form, SlopeAs::log10_slope),
-            .stimuli = Grid({{"stimulus", psi.stimuli}}),
-            .parameters = Grid(std::move(parameters)),
-            .prior = psi.prior,
-            .nuisance = psi.nuisance,
-            .trials = psi.trials};
-}
-
-Posterior::Posterior(const Grid& grid)
-    : weights_(grid.size(), 1.0 / static_cast<double>(grid.size())) {}
 
 Posterior::Posterior(const Grid& grid, std::span<const std::vector<double>> axis_weights)
     : weights_(grid.size(), 1.0) {

@@ -24,22 +24,7 @@ namespace palpate::protocols {
 [[nodiscard]] std::vector<double> expected_entropies(const LikelihoodTable& table,
                                                      std::span<const double> weights);
 
-/// Which combination of the wanted parameters each cell has.
-struct CellGroups {
-    std::vector<std::uint32_t> of;  ///< of every cell, below `count`
-    std::size_t count = 0;
-    std::size_t run = 1;  ///< cells run * i ... run * i + run - 1 share one, for every i
-};
-
-/// Groups of the cells that differ in nothing but `nuisance`.
-/// @throws std::invalid_argument for a nuisance that is no axis, or if nothing else is left
-[[nodiscard]] CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisance);
-
-/// The same for the posterior of some parameters alone, the others (nuisance) summed out before the
-/// entropy is taken (Prins 2013, "the psi-marginal adaptive method").
-[[nodiscard]] std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
-                                                              std::span<const double> weights,
-                                                              const CellGroups& groups);
+struct CellGroups;  // which combination of the wanted parameters each cell has
 
 /// The tie rule: the first of the stimuli whose expected entropy is within 1e-12 bit (of the
 /// entropy, where that is more than 1 bit) of the least. Symmetric problems have exact ties, which
@@ -49,8 +34,6 @@ struct CellGroups {
 /// What is believed of the parameters: a weight for every cell of a grid; the weights add up to 1.
 class Posterior {
 public:
-    /// Uniform over the cells.
-    explicit Posterior(const Grid& grid);
     /// The product of one list of weights an axis; an empty list is uniform. Weights need not add
     /// up to 1.
     /// @throws std::invalid_argument if a list has another length than its axis, has negative or no
@@ -75,24 +58,19 @@ public:
     /// The cell of the largest weight, the first among those that reach it but for 1e-12 of it.
     [[nodiscard]] std::vector<double> mode(const Grid& grid) const;
 
-    friend bool operator==(const Posterior&, const Posterior&) = default;
-
 private:
     std::vector<double> weights_;
 };
-
-struct CellGroups;
 
 /// What QUEST+ may show, what it estimates, and by which model.
 struct QuestPlusSpec {
     OutcomeModel model;
     Grid stimuli{};
     Grid parameters{};
-    std::vector<std::vector<double>>
-        prior{};                          ///< weights an axis of the parameters; empty: uniform
-    std::vector<std::string> nuisance{};  ///< parameters whose uncertainty does not count
-    std::size_t trials = 64;              ///< then it ends; at least 1
-    double entropy_bits = 0.0;            ///< it ends below this posterior entropy, 0: never
+    std::vector<std::vector<double>> prior{};  ///< weights by axis of the parameters; or uniform
+    std::vector<std::string> nuisance{};       ///< parameters whose uncertainty does not count
+    std::size_t trials = 64;                   ///< then it ends; at least 1
+    double entropy_bits = 0.0;                 ///< it ends below this posterior entropy, 0: never
 };
 
 /// QUEST+ (A. B. Watson, "QUEST+: A general multidimensional Bayesian adaptive psychometric
@@ -103,6 +81,12 @@ struct QuestPlusSpec {
 /// on every IEEE-754 machine: only + - * /, sqrt and this project's own logarithm and exponential
 /// are used, in a fixed order. There is no limit on the time of the search, since a limit would let
 /// a slow machine choose otherwise; the size of the grid is limited instead (LikelihoodTable).
+///
+/// With one stimulus dimension and two outcomes it is the psi method (L. L. Kontsevich and C. W.
+/// Tyler, "Bayesian adaptive estimation of psychometric slope and threshold", Vision Research 39,
+/// 2729-2737, 1999), if the slope is on the grid by its decadic logarithm; with the lapse rate as a
+/// nuisance psi-marginal (N. Prins, "The psi-marginal adaptive method", Journal of Vision 13(7):3,
+/// 2013).
 ///
 /// A plain value; copies share the table, which never changes.
 class QuestPlus {
@@ -152,28 +136,5 @@ private:
     double entropy_bits_;
     std::size_t trials_ = 0;
 };
-
-/// The psi method (L. L. Kontsevich and C. W. Tyler, "Bayesian adaptive estimation of psychometric
-/// slope and threshold", Vision Research 39, 2729-2737, 1999) and its marginal form (N. Prins, "The
-/// psi-marginal adaptive method", Journal of Vision 13(7):3, 2013).
-struct PsiSpec {
-    Family family = Family::normal;
-    LapseForm form = LapseForm::upper;
-    std::vector<double> stimuli;
-    std::vector<double> thresholds;
-    std::vector<double> log10_slopes;
-    std::vector<double> guesses{0.5};
-    std::vector<double> lapses{0.02};
-    std::vector<std::vector<double>> prior{};  ///< threshold, log10_slope, guess, lapse
-    std::vector<std::string>
-        nuisance{};  ///< psi-marginal: e.g. lapse; empty: as Kontsevich & Tyler
-    std::size_t trials = 64;
-};
-
-/// QUEST+ with one stimulus dimension and two outcomes is the psi method: both show the stimulus of
-/// least expected entropy. What psi adds is its grid: the slope by its decadic logarithm, so that
-/// the estimate is the posterior mean of log10 slope. Kontsevich & Tyler fix the lapse rate;
-/// psi-marginal has it in the grid as a nuisance.
-[[nodiscard]] QuestPlusSpec quest_plus_spec(const PsiSpec& psi);
 
 }  // namespace palpate::protocols

@@ -15,32 +15,28 @@
 namespace palpate::protocols {
 namespace {
 
-void need(bool good, const std::string& what) {
-    refuse_if(!good, "{}", what);
-}
-
 void check_steps(std::string_view name, const std::vector<double>& steps) {
-    need(!steps.empty(), fmt::format("{} is empty: give at least one step above 0", name));
+    refuse_if(steps.empty(), "{} is empty: give at least one step above 0", name);
     for (const double step : steps) {
-        need(std::isfinite(step) && step > 0.0,
-             fmt::format("{} holds {}: give finite numbers above 0", name, step));
+        refuse_if(!(std::isfinite(step) && step > 0.0), "{} holds {}: give finite numbers above 0",
+                  name, step);
     }
 }
 
 void check(const StaircaseSpec& s) {
     check_steps("step_up", s.steps_up);
     check_steps("step_down", s.steps_down);
-    need(s.up > 0 && s.down > 0,
-         fmt::format("up is {} and down {}: give 1 or more answers in a row", s.up, s.down));
-    need(s.lowest < s.highest,
-         fmt::format("lowest is {} and highest {}: give lowest < highest", s.lowest, s.highest));
-    need(s.start >= s.lowest && s.start <= s.highest,
-         fmt::format("start is {}: give a level from lowest ({}) to highest ({})", s.start,
-                     s.lowest, s.highest));
-    need(s.scale == StepScale::linear || s.start > 0.0,
-         fmt::format("start is {}: on a scale of factors give a level above 0", s.start));
-    need(s.trials > 0 || s.reversals > 0,
-         "the staircase would never end: give trials or reversals");
+    refuse_if(s.up == 0 || s.down == 0, "up is {} and down {}: give 1 or more answers in a row",
+              s.up, s.down);
+    refuse_if(!(s.lowest < s.highest), "lowest is {} and highest {}: give lowest < highest",
+              s.lowest, s.highest);
+    refuse_if(!(s.start >= s.lowest && s.start <= s.highest),
+              "start is {}: give a level from lowest ({}) to highest ({})", s.start, s.lowest,
+              s.highest);
+    refuse_if(s.scale != StepScale::linear && !(s.start > 0.0),
+              "start is {}: on a scale of factors give a level above 0", s.start);
+    refuse_if(s.trials == 0 && s.reversals == 0,
+              "the staircase would never end: give trials or reversals");
 }
 
 double moved(StepScale scale, double level, double step) {
@@ -121,7 +117,6 @@ void Staircase::update(double shown, bool right) {
 void Staircase::move(int direction, double from) {
     if (direction_ != 0 && direction != direction_) {
         reversals_.push_back(from);
-        reversal_trials_.push_back(trials_);
     }
     direction_ = direction;
     const std::vector<double>& steps = direction > 0 ? spec_.steps_up : spec_.steps_down;

@@ -43,8 +43,6 @@ struct StaircaseSpec {
     std::size_t reversals = 0;  ///< it ends after so many reversals; 0: not by reversals
     /// The estimate is the mean of the last so many reversals; 0: of all.
     std::size_t average = 0;
-
-    friend bool operator==(const StaircaseSpec&, const StaircaseSpec&) = default;
 };
 
 /// Chance of a right answer at which a staircase with up = 1 stands still: the drift of a rule that
@@ -77,21 +75,15 @@ public:
     void update(double shown, bool right);
     [[nodiscard]] bool finished() const noexcept;
 
-    /// As it was given; trials so far; and of the reversals so far the stimulus and the trial, from
-    /// 0.
+    /// As it was given; trials so far; and the stimuli of the reversals so far.
     [[nodiscard]] const StaircaseSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
     [[nodiscard]] const std::vector<double>& reversals() const noexcept { return reversals_; }
-    [[nodiscard]] const std::vector<std::size_t>& reversal_trials() const noexcept {
-        return reversal_trials_;
-    }
     /// Mean of the last reversals, none before the first; with their standard deviation (n - 1
     /// below, none of one) and number.
     [[nodiscard]] Estimate estimate() const;
     [[nodiscard]] int direction() const noexcept { return direction_; }
     [[nodiscard]] std::size_t in_a_row() const noexcept { return in_a_row_; }
-
-    friend bool operator==(const Staircase&, const Staircase&) = default;
 
 private:
     void move(int direction, double from);
@@ -107,7 +99,6 @@ private:
     std::size_t in_a_row_ = 0;  ///< equal answers since the last move
     std::size_t trials_ = 0;
     std::vector<double> reversals_;
-    std::vector<std::size_t> reversal_trials_;  ///< from 0
 };
 
 /// One staircase, or several interleaved: before each trial one of those that are not finished is

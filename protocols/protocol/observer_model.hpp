@@ -9,8 +9,7 @@ namespace palpate::protocols {
 /// What friction does to the percept beyond ObserverSpec::bias_per_mu. Both go with the friction
 /// that was felt.
 struct FrictionEffectSpec {
-    double noise_per_mu =
-        1.0;  ///< the noise's factor at a felt friction of 1, > 0; at f: to the power of f
+    double noise_per_mu = 1.0;  ///< of the noise at a felt friction of 1, > 0; at f: to the f-th
 
     friend bool operator==(const FrictionEffectSpec&, const FrictionEffectSpec&) = default;
 };

@@ -21,15 +21,13 @@ namespace palpate::protocols {
 /// One object: two curves of the same signed curvature on the chords of OutlineSpec, or a free
 /// form. Either is then placed: made larger, turned about the origin, moved.
 struct ObjectSpec {
-    std::string name;  ///< e.g. "convex_10"; unique, [a-z0-9_]
-    double curvature =
-        0.0;               ///< 1/m: > 0 convex, 0 straight, < 0 concave; no meaning for a free form
-    bool pictured = true;  ///< false: a catch object, felt but never among the pictures
-    double size = 1.0;     ///< factor, > 0; curvatures are divided by it
-    engine::Vec2 offset{};  ///< m
-    double turn = 0.0;      ///< rad, anticlockwise
-    double compliance =
-        0.0;  ///< m/N at the vertex of two curves, 0: rigid; engine/deformation/soft_shape.hpp
+    std::string name;         ///< e.g. "convex_10"; unique, [a-z0-9_]
+    double curvature = 0.0;   ///< 1/m: > 0 convex, 0 straight, < 0 concave; not of a free form
+    bool pictured = true;     ///< false: a catch object, felt but never among the pictures
+    double size = 1.0;        ///< factor, > 0; curvatures are divided by it
+    engine::Vec2 offset{};    ///< m
+    double turn = 0.0;        ///< rad, anticlockwise
+    double compliance = 0.0;  ///< m/N at the vertex of two curves, 0: rigid; see SoftShape
     std::vector<stimuli::Segment> segments{};  ///< of a free form, closed; none: two curves
     /// Of a study of surfaces: 1/m along y, where `curvature` is that along x; > 0 bulges up.
     double cross_curvature = 0.0;
@@ -109,8 +107,7 @@ struct InvalidSpec {
     double stale_share = 1.0;   ///< of its readings may be no new ones, 0..1; 1: any
     double contact_min = 1.0;   ///< s of contact, 0: none needed
     double path_min = 0.160;    ///< m of path of HIP, 0: none needed
-    std::size_t max_requeues =
-        10;  ///< times that a position is run again, also after faults; 0: never
+    std::size_t max_requeues = 10;  ///< times that a position is run again, faults too; 0: never
 
     friend bool operator==(const InvalidSpec&, const InvalidSpec&) = default;
 };
@@ -178,9 +175,8 @@ struct TimingSpec {
     double explore_timeout = 45.0;  ///< s, then the choice is asked for
     double break_min = 30.0;        ///< s
     double gap = 1.5;               ///< s between the choice and the next ready screen
-    double guard =
-        0.25;  ///< s: a press earlier than this after a screen appeared is no answer to it
-    double answer_timeout = 0.0;  ///< s, then a question ends unanswered; 0: it waits
+    double guard = 0.25;            ///< s: a press so soon after a screen appeared is no answer
+    double answer_timeout = 0.0;    ///< s, then a question ends unanswered; 0: it waits
 
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };
@@ -233,8 +229,24 @@ struct RuleSpec {
     friend bool operator==(const RuleSpec& a, const RuleSpec& b) { return a.text == b.text; }
 };
 
-/// A rule that chooses what is felt next, by the answers so far: the table [procedure].
-struct AdaptiveSpec {
+/// What is known of a rule before it starts.
+struct RuleFacts {
+    std::size_t trials = 0;  ///< it ends after so many, whatever is answered
+    double lowest = 0.0;     ///< it never chooses less
+    double highest = 0.0;    ///< nor more
+    std::size_t outcomes = 2;
+    std::string lowest_key{};   ///< which key says `lowest`, as in "staircase.2.lowest"
+    std::string highest_key{};  ///< and `highest`
+    /// An outcome of 1 is more likely than not wherever it stays: what is chosen is the greater
+    /// one.
+    bool one_sided = false;
+
+    friend bool operator==(const RuleFacts&, const RuleFacts&) = default;
+};
+
+/// A rule that chooses what is felt next, by the answers so far: the table [procedure], and what
+/// follows from the rule and is not written.
+struct AdaptiveSpec : RuleFacts {
     Varies varies = Varies::curvature;
     StimulusAs stimulus_as = StimulusAs::value;
     std::string object;  ///< felt in every interval; its curvature is that of the standard
@@ -245,14 +257,6 @@ struct AdaptiveSpec {
     std::size_t max_run_interval = 0;  ///< comparisons in the same interval in a row, 0: no limit
     RuleSpec rule;
 
-    // What follows from the rule; not written.
-    std::size_t trials = 0;  ///< of every run
-    double lowest = 0.0;     ///< it never chooses less
-    double highest = 0.0;
-    std::size_t outcomes = 2;
-    std::string lowest_key, highest_key;  ///< which key of the rule says so, for messages
-    bool one_sided = false;               ///< see RuleFacts
-
     friend bool operator==(const AdaptiveSpec&, const AdaptiveSpec&) = default;
 };
 
@@ -260,9 +264,8 @@ struct AdaptiveSpec {
 /// are interleaved.
 struct RunSpec {
     std::string name;
-    std::string friction;  ///< of the comparison, whose stimulus the rule chooses
-    std::string
-        standard_friction;  ///< of the other interval; empty: the same friction as it stands
+    std::string friction;           ///< of the comparison, whose stimulus the rule chooses
+    std::string standard_friction;  ///< of the other interval; empty: the same as it stands
 
     friend bool operator==(const RunSpec&, const RunSpec&) = default;
 };

@@ -107,12 +107,8 @@ double power_of_ten(double x) noexcept {
     return exponential(x * kLn10);
 }
 
-double log_two(double x) noexcept {
-    return engine::natural_log(x) / kLn2;
-}
-
 double p_log_p(double p) noexcept {
-    return p > 0.0 ? p * log_two(p) : 0.0;
+    return p > 0.0 ? p * (engine::natural_log(p) / kLn2) : 0.0;
 }
 
 double normal_cdf(double z) noexcept {

@@ -19,9 +19,6 @@ inline constexpr double kLn10 = 2.302585092994045684017991454684364208;
 /// 10^x. Relative error below 1e-15 + |x| 6e-16.
 [[nodiscard]] double power_of_ten(double x) noexcept;
 
-/// log2 x for x > 0.
-[[nodiscard]] double log_two(double x) noexcept;
-
 /// p log2 p, and 0 for p <= 0: a term of an entropy, in bits.
 [[nodiscard]] double p_log_p(double p) noexcept;
 /// Entropy of shares that sum to 1, bits.

@@ -45,8 +45,6 @@ struct PsychometricFunction {
     double slope = 3.5;      ///< b > 0
     double guess = 0.5;      ///< g, 0 <= g < 1
     double lapse = 0.01;     ///< l, 0 <= l < 1 and bottom < top
-
-    friend bool operator==(const PsychometricFunction&, const PsychometricFunction&) = default;
 };
 
 /// F(x): see Family. A weibull at x < 0 is as at 0.

@@ -26,7 +26,7 @@ engine::Vec2 along(const engine::TickRecord& tick) noexcept {
 
 }  // namespace
 
-Deciles deciles_of(std::vector<double>& values) noexcept {
+Deciles deciles_of(std::vector<double> values) noexcept {
     auto smallest = [&, from = values.begin()](std::size_t tenths) mutable {
         const std::size_t rank = (tenths * values.size() + 9) / 10;  // ceil, without a rounding
         const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
@@ -137,16 +137,6 @@ void ExplorationMeter::add(const engine::TickRecord& tick) {
         from_ = tick.hip;
         from_time_ = tick.time_ns;
     }
-}
-
-Deciles ExplorationMeter::speed() const {
-    std::vector<double> values = speeds_;
-    return deciles_of(values);
-}
-
-Deciles ExplorationMeter::normal_force() const {
-    std::vector<double> values = forces_;
-    return deciles_of(values);
 }
 
 engine::Vec2 StrokeCounter::step_to(const engine::TickRecord& tick) noexcept {

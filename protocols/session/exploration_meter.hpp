@@ -8,12 +8,12 @@
 
 #include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "protocols/session/deciles.hpp"
+#include "protocols/session/recorder.hpp"
 
 namespace palpate::protocols {
 
-/// The ceil(q n)-th smallest of n values, q = .1, .5, .9. @param values  left in another order
-[[nodiscard]] Deciles deciles_of(std::vector<double>& values) noexcept;
+/// The ceil(q n)-th smallest of n values, q = .1, .5, .9.
+[[nodiscard]] Deciles deciles_of(std::vector<double> values) noexcept;
 
 /// How much of an outline the god-object visited. The outline is cut into cells of about kCell; a
 /// contact tick visits the cell that its god-object lies in, on a vertex the last one before it. A
@@ -69,7 +69,6 @@ public:
     static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
 
     /// Of one interval; an outline's cells are measured, a surface's are those of PatchCover.
-    explicit ExplorationMeter(const engine::Outline& outline) : cover_(OutlineCover(outline)) {}
     explicit ExplorationMeter(const engine::SceneView& scene);
 
     /// The next tick of the interval.
@@ -83,9 +82,9 @@ public:
     }
     /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact
     /// between.
-    [[nodiscard]] Deciles speed() const;
+    [[nodiscard]] Deciles speed() const { return deciles_of(speeds_); }
     /// N, rendered, of contact ticks.
-    [[nodiscard]] Deciles normal_force() const;
+    [[nodiscard]] Deciles normal_force() const { return deciles_of(forces_); }
 
 private:
     std::variant<OutlineCover, PatchCover> cover_;

@@ -32,8 +32,7 @@ struct Ports {
     Apparatus& apparatus;
     Observer& observer;
     Recorder& recorder;
-    std::vector<Event>
-        opening{};  ///< what was found of the rig when it was opened, to be kept first
+    std::vector<Event> opening{};  ///< what was found of the rig at its opening, kept first
     /// Asked before each trial and while one runs: true ends the session.
     std::function<bool()> interrupted = [] {
         return false;

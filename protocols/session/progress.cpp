@@ -136,10 +136,8 @@ void PendingTrials::begin_again(std::size_t part) {
 }
 
 void PendingTrials::set_back(std::size_t position) {
-    StreamKey key = rule_.key;
-    key.block = position;
-    key.purpose = purpose::requeue;
-    Again& again = again_.try_emplace(position, Again{.random = stream(key)}).first->second;
+    const Pcg32 random = stream(rule_.key, purpose::requeue, position);
+    Again& again = again_.try_emplace(position, Again{.random = random}).first->second;
     if (again.times++ == rule_.max) {
         return;
     }

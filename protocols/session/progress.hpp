@@ -72,8 +72,7 @@ struct RequeueRule {
 /// together.
 struct TrialNumber {
     bool practice = false;
-    std::size_t number =
-        0;  ///< one more than are done: what is run again makes it stand, never jump
+    std::size_t number = 0;  ///< one more than are done: what is run again makes it stand
     std::size_t total = 0;
 
     friend bool operator==(const TrialNumber&, const TrialNumber&) = default;
@@ -168,8 +167,6 @@ struct Attempt {
     Outcome outcome = Outcome::interrupted;
     bool counts = false;                 ///< it has an answer, and broke no rule of [invalid]
     std::optional<RuleAnswer> answer{};  ///< what the protocol's rule took in
-
-    friend bool operator==(const Attempt&, const Attempt&) = default;
 };
 
 /// The key of a mark that takes back the one before of the same trial.

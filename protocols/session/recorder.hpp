@@ -12,7 +12,6 @@
 #include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/procedure/procedure_state.hpp"
-#include "protocols/session/deciles.hpp"
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/presentation.hpp"
 
@@ -35,6 +34,14 @@ enum class Outcome : std::uint8_t {
 /// Of an attempt that is stored without an answer: one that never ended counts as interrupted.
 [[nodiscard]] Outcome without_answer(std::string_view word) noexcept;
 
+/// Three of a sample's values: so large that a tenth, a half, nine tenths of all are no larger. 0
+/// of none.
+struct Deciles {
+    double p10 = 0.0;
+    double p50 = 0.0;
+    double p90 = 0.0;
+};
+
 /// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its
 /// first tick to done; the ramp out of the force is in the trace, but not in here.
 struct TrialSummary {
@@ -55,35 +62,24 @@ struct TrialSummary {
     std::int64_t strokes_before_vertex = 0;  ///< of these: counted on segment 0
     std::int64_t strokes_after_vertex = 0;   ///< counted on segment 1
     std::int64_t reversals = 0;              ///< strokes that came back on the one before
-    double mean_speed_m_per_s =
-        0.0;  ///< of HIP in contact: its path by its time, 0 without contact
-    std::int64_t before_vertex_ticks = 0;  ///< in contact with segment 0: up to vertex 0
-    std::int64_t after_vertex_ticks = 0;   ///< with segment 1: from vertex 0 on
-    std::int64_t vertex_ticks = 0;         ///< in contact on vertex 0 itself
-    std::int64_t stick_events = 0;         ///< times that a sliding god-object stuck again
-    bool sticks = true;                    ///< there is friction: without, nothing can stick
-    Deciles speed{};                       ///< m/s, see ExplorationMeter
-    Deciles normal_force{};                ///< N, rendered, of contact ticks
+    double mean_speed_m_per_s = 0.0;         ///< of HIP in contact: its path by its time, or 0
+    std::int64_t before_vertex_ticks = 0;    ///< in contact with segment 0: up to vertex 0
+    std::int64_t after_vertex_ticks = 0;     ///< with segment 1: from vertex 0 on
+    std::int64_t vertex_ticks = 0;           ///< in contact on vertex 0 itself
+    std::int64_t stick_events = 0;           ///< times that a sliding god-object stuck again
+    bool sticks = true;                      ///< there is friction: without, nothing can stick
+    Deciles speed{};                         ///< m/s, see ExplorationMeter
+    Deciles normal_force{};                  ///< N, rendered, of contact ticks
     double covered_share = 0.0;  ///< share of the outline that was visited, see OutlineCover
     std::int64_t contact_episodes = 0;
-    double worst_episode_j =
-        0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive
+    double worst_episode_j = 0.0;  ///< largest balance (engine::EnergyLedger), <= 0: passive
     std::optional<double> first_contact_s;  ///< since the first tick
 };
 
 /// What was answered, and whether it was right.
-struct Response {
-    std::size_t place = 0;                ///< which answer, as Choice::place
+struct Response : Choice {
     std::optional<std::size_t> object{};  ///< of a picture: index into Protocol::objects
     std::optional<bool> correct{};        ///< none: the answer is neither right nor wrong
-    double reaction_s = 0.0;              ///< question shown -> the press that gave this answer
-    double uncertainty_s = 0.0;
-    InputKind input = InputKind::simulated;
-    std::optional<int> confidence{};  ///< 1 .. kMaxConfidence
-    double confidence_reaction_s = 0.0;
-    std::size_t early_presses = 0;  ///< as Choice::early_presses
-    std::optional<Confirmation> confirmation{};
-    std::optional<Confirmation> confidence_confirmation{};
 };
 
 /// An answer that a rule takes in.
@@ -91,8 +87,6 @@ struct RuleAnswer {
     std::size_t run = 0;
     double stimulus = 0.0;    ///< what was shown, as the rule counts
     std::size_t outcome = 0;  ///< 0 ... Procedure::outcomes() - 1
-
-    friend bool operator==(const RuleAnswer&, const RuleAnswer&) = default;
 };
 
 /// The same with what the rule says afterwards.
@@ -100,8 +94,6 @@ struct AdaptiveStep {
     RuleAnswer answer{};
     std::vector<Estimate> estimates{};
     std::string state_hash;  ///< Procedure::state_hash() with this answer
-
-    friend bool operator==(const AdaptiveStep&, const AdaptiveStep&) = default;
 };
 
 /// What became of one interval of a trial.
@@ -128,10 +120,8 @@ struct TrialResult {
     std::optional<Response> response{};       ///< none unless complete or timed_out
     std::optional<Fault> fault{};             ///< none unless faulted
     std::optional<AdaptiveStep> step{};       ///< none unless a rule took in the answer
-    std::string
-        invalid{};  ///< why an answer does not count, a phrase; empty: it does, or there is none
-    bool begun =
-        true;  ///< false: the desk wanted something before the first tick, nothing is recorded
+    std::string invalid{};  ///< why an answer does not count, a phrase; empty: it does, or none is
+    bool begun = true;      ///< false: the desk wanted something first, nothing is recorded
 };
 
 /// Constants of the compiled scene that needed exp, kept because exp differs between machines.

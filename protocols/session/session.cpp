@@ -68,9 +68,7 @@ public:
         note_stop(ports_);  // nothing is felt any more
         ports_.recorder.finish_session();
         ports_.observer.finish(view);
-        return {.why = SessionEnd::Why::finished,
-                .next = pending().next(),
-                .number = pending().number()};
+        return ended(SessionEnd::Why::finished);
     }
 
 private:
@@ -131,10 +129,8 @@ private:
 
     [[nodiscard]] const PendingTrials& pending() const { return progress_.pending(); }
 
-    [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
-    [[nodiscard]] bool wants_stop() const {
-        return ports_.desk != nullptr && ports_.desk->wants_stop();
-    }
+    [[nodiscard]] bool wanted() const { return ports_.desk->wants(); }
+    [[nodiscard]] bool wants_stop() const { return ports_.desk->wants_stop(); }
 
     void happened(const Event& event) {
         ports_.recorder.event(event);
@@ -159,7 +155,7 @@ private:
 
     /// A mark concerns the last attempt of this run.
     void check_mark() {
-        if (ports_.desk == nullptr || !ports_.desk->take_mark()) {
+        if (!ports_.desk->take_mark()) {
             return;
         }
         MarkReply reply{.found = last_ && progress_.counts(*last_)};
@@ -185,9 +181,6 @@ private:
     /// Nobody feels anything meanwhile: a mark is kept and answered while it waits, not after it.
     template <class Wait>
     std::invoke_result_t<Wait&> waiting(Wait wait) {
-        if (ports_.desk == nullptr) {
-            return wait();
-        }
         struct Until {
             OperatorDesk* desk;
             ~Until() {
@@ -208,7 +201,7 @@ private:
     }
 
     Signal check_pause() {
-        if (ports_.desk == nullptr || !ports_.desk->take_pause()) {
+        if (!ports_.desk->take_pause()) {
             return Signal::go_on;
         }
         note_before_next(EventKind::pause);
@@ -238,9 +231,7 @@ private:
         note_before_next(EventKind::rest);
         HandleCheck check(ports_.apparatus, trust_);
         const Signal signal = waiting([&] {
-            if (ports_.desk != nullptr) {
-                ports_.desk->await_handle([&check] { return !check.over(); });
-            }
+            ports_.desk->await_handle([&check] { return !check.over(); });
             return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next_);
         });
         return signal == Signal::go_on ? check_handle(check) : signal;
@@ -309,9 +300,7 @@ private:
         note_stop(ports_);
         note_timing();
         note_before_next(EventKind::abort);
-        return {.why = SessionEnd::Why::aborted,
-                .next = pending().next(),
-                .number = pending().number()};
+        return ended(SessionEnd::Why::aborted);
     }
 
     SessionEnd gave_up(const Fault& fault, std::size_t tries) {
@@ -320,12 +309,15 @@ private:
                          fmt::format(", after {} in vain and {} in a row",
                                      counted(tries, "try", "tries"), counted(faults_, "fault")),
                          static_cast<std::int64_t>(tries));
-        return {.why = SessionEnd::Why::faulted,
-                .next = pending().next(),
-                .number = pending().number(),
-                .fault = trouble.empty() ? fault.text : trouble,
-                .in_a_row = faults_,
-                .tries = tries};
+        SessionEnd end = ended(SessionEnd::Why::faulted);
+        end.fault = trouble.empty() ? fault.text : trouble;
+        end.in_a_row = faults_;
+        end.tries = tries;
+        return end;
+    }
+
+    [[nodiscard]] SessionEnd ended(SessionEnd::Why why) const {
+        return {.why = why, .next = pending().next(), .number = pending().number()};
     }
 
     void note_timing() {
@@ -385,6 +377,8 @@ SessionEnd run_session(const Protocol& protocol,
                        const SessionView& view,
                        SessionProgress progress,
                        Ports ports) {
+    OperatorDesk nobody;
+    ports.desk = ports.desk == nullptr ? &nobody : ports.desk;
     return Session(protocol, plan, std::move(progress), ports, view.simulated).run(view);
 }
 

@@ -16,10 +16,7 @@ namespace palpate::protocols {
 /// Adds up a trial's ticks while they come.
 class TrialMeter {
 public:
-    /// @param stiffness  K of the contact, N/m   @param outline  of what is felt
-    TrialMeter(double stiffness, const engine::Outline& outline)
-        : ledger_(stiffness), exploration_(outline) {}
-    /// In space nothing is before or after a vertex.
+    /// In space nothing is before or after a vertex. @param stiffness  K of the contact, N/m
     TrialMeter(double stiffness, const engine::SceneView& scene);
     void add(std::span<const engine::TickRecord> ticks);
     [[nodiscard]] TrialSummary summary() const;

@@ -15,10 +15,10 @@ class ForceScope {
 public:
     ForceScope(Apparatus& apparatus,
                const engine::SceneView& scene,
-               const PlannedTrial& planned,
+               std::size_t position,
                std::size_t interval)
         : apparatus_(&apparatus) {
-        apparatus.begin(scene, planned, interval);
+        apparatus.begin(scene, position, interval);
     }
     ForceScope(const ForceScope&) = delete;
     ForceScope& operator=(const ForceScope&) = delete;
@@ -33,18 +33,6 @@ public:
 private:
     Apparatus* apparatus_;
 };
-
-Response response_of(const Choice& choice, bool with_confidence) {
-    return {.place = choice.place,
-            .reaction_s = choice.reaction_s,
-            .uncertainty_s = choice.uncertainty_s,
-            .input = choice.input,
-            .confidence = with_confidence ? choice.confidence : std::nullopt,
-            .confidence_reaction_s = choice.confidence_reaction_s,
-            .early_presses = choice.early_presses,
-            .confirmation = choice.confirmation,
-            .confidence_confirmation = choice.confidence_confirmation};
-}
 
 }  // namespace
 
@@ -93,12 +81,12 @@ Signal TrialRunner::begin(const TrialView& view) {
 }
 
 TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
-    TrialResult result;
     const std::vector<Presentation> felt =
         presentations_of(protocol_, planned, stimulus_for(protocol_, planned, progress_.runs()));
     view.intervals = felt.size();
     const Signal begun = begin(view);
-    if (begun != Signal::go_on || (ports_.desk != nullptr && ports_.desk->wants())) {
+    if (begun != Signal::go_on || ports_.desk->wants()) {
+        TrialResult result;
         result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
         result.begun = false;
         if (begun == Signal::no_place) {
@@ -106,12 +94,13 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         }
         return result;
     }
-    const TrialId id = ports_.recorder.begin_trial(planned);
-    last_ = id;
+    last_ = ports_.recorder.begin_trial(planned);
+    Running trial{.id = last_, .planned = planned, .view = view};
+    TrialResult& result = trial.result;
     bool timed_out = false;
     for (const Presentation& one : felt) {
-        view.interval = one.interval;
-        const Signal again = one.interval > 1 ? begin(view) : Signal::go_on;
+        trial.view.interval = one.interval;
+        const Signal again = one.interval > 1 ? begin(trial.view) : Signal::go_on;
         if (again == Signal::no_place) {  // its first tick ends it, and keeps why
             ports_.apparatus.stop(ports_.apparatus.place_fault());
         } else if (again != Signal::go_on) {
@@ -120,8 +109,8 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         }
         const engine::FeltScene scene = make_felt_scene(protocol_, one);
         ports_.recorder.begin_interval(
-            id, one, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
-        feel(id, planned, one, scene, view, result);
+            trial.id, one, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
+        feel(trial, one, scene);
         timed_out = timed_out || result.outcome == Outcome::timed_out;
         if (!is_answered(result.outcome)) {
             break;
@@ -130,46 +119,39 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     std::optional<RuleAnswer> given;
     if (is_answered(result.outcome)) {
         result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
-        given = answer(planned, felt, view, result);
+        given = answer(trial, felt);
     }
-    end(id, planned, given, result);
-    return result;
+    end(trial, given);
+    return std::move(result);
 }
 
-/// @param answer  what the protocol's rule takes in
-void TrialRunner::end(TrialId id,
-                      const PlannedTrial& planned,
-                      const std::optional<RuleAnswer>& answer,
-                      TrialResult& result) {
-    progress_ = apply(std::move(progress_), {.trial = id,
-                                             .position = planned.position,
+void TrialRunner::end(Running& trial, const std::optional<RuleAnswer>& answer) {
+    TrialResult& result = trial.result;
+    progress_ = apply(std::move(progress_), {.trial = trial.id,
+                                             .position = trial.planned.position,
                                              .outcome = result.outcome,
                                              .counts = result.response && result.invalid.empty(),
                                              .answer = answer});
     if (answer) {
         result.step = progress_.runs().step_after(*answer);
     }
-    ports_.recorder.end_trial(id, result);
-    note_lost_ticks(id, planned);
+    ports_.recorder.end_trial(trial.id, result);
+    note_lost_ticks(trial);
 }
 
-void TrialRunner::feel(TrialId id,
-                       const PlannedTrial& planned,
-                       const Presentation& felt,
-                       const engine::SceneView& scene,
-                       const TrialView& view,
-                       TrialResult& result) {
+void TrialRunner::feel(Running& trial, const Presentation& felt, const engine::SceneView& scene) {
+    TrialResult& result = trial.result;
     meter_.emplace(protocol_.apparatus.stiffness, scene);
     tripped_s_.reset();
     const double felt_s = result.done_s;  // in the interval before
     result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {
-        ForceScope force(ports_.apparatus, scene, planned, felt.interval);
-        explore(id, view, result);
+        ForceScope force(ports_.apparatus, scene, trial.planned.position, felt.interval);
+        explore(trial);
         force.end();
-        drain(id, false);
+        drain(trial.id, false);
     }
-    note_fault(id, planned, view, result);
+    note_fault(trial);
     const TrialSummary sum = meter_->summary();
     result.intervals.push_back(
         {.done_s = result.done_s, .done_uncertainty_s = result.done_uncertainty_s, .summary = sum});
@@ -177,18 +159,19 @@ void TrialRunner::feel(TrialId id,
     result.summary = result.intervals.size() == 1 ? sum : together(result.summary, sum);
 }
 
-void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result) {
+void TrialRunner::explore(Running& trial) {
+    TrialResult& result = trial.result;
     const TimingSpec& timing = protocol_.timing;
     for (;;) {
         const engine::ServoStatus status = ports_.apparatus.advance();
-        drain(id, true);
+        drain(trial.id, true);
         const double elapsed = ports_.apparatus.elapsed_s();
         result.done_s = elapsed;
         if (status == engine::ServoStatus::faulted) {
             result.outcome = Outcome::faulted;
             return;
         }
-        const ExplorationStep exploring = ports_.observer.explore(view, elapsed);
+        const ExplorationStep exploring = ports_.observer.explore(trial.view, elapsed);
         if (exploring.alive) {  // and so does this loop
             ports_.apparatus.beat();
         }
@@ -216,11 +199,9 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
 /// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out
 /// of the force spoils nothing that was felt, unless more was to come, or an encoder stands still:
 /// that is told from strokes, and they were felt.
-void TrialRunner::note_fault(TrialId id,
-                             const PlannedTrial& planned,
-                             const TrialView& view,
-                             TrialResult& result) {
-    const bool more = view.interval < view.intervals;
+void TrialRunner::note_fault(Running& trial) {
+    TrialResult& result = trial.result;
+    const bool more = trial.view.interval < trial.view.intervals;
     const engine::Trip cause = ports_.apparatus.trip();
     const bool felt =
         tripped_s_ && (*tripped_s_ <= result.done_s || cause == engine::Trip::stuck_encoder);
@@ -232,9 +213,9 @@ void TrialRunner::note_fault(TrialId id,
         if (tripped_s_) {
             happened_({.kind = EventKind::fault,
                        .text = fmt::format("after the exploration at position {} had ended: {}",
-                                           planned.position, to_string(cause)),
-                       .trial = id,
-                       .position = planned.position,
+                                           trial.planned.position, to_string(cause)),
+                       .trial = trial.id,
+                       .position = trial.planned.position,
                        .value = std::string(to_string(cause))});
         }
         return;
@@ -242,17 +223,19 @@ void TrialRunner::note_fault(TrialId id,
     result.fault = fault_of(cause);
 }
 
-std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
-                                              std::span<const Presentation> felt,
-                                              const TrialView& view,
-                                              TrialResult& result) {
-    const Choice choice = ports_.observer.choose(view, question_);
+std::optional<RuleAnswer> TrialRunner::answer(Running& trial, std::span<const Presentation> felt) {
+    const PlannedTrial& planned = trial.planned;
+    TrialResult& result = trial.result;
+    const Choice choice = ports_.observer.choose(trial.view, question_);
     if (choice.signal != Signal::done) {
         result.outcome = choice.signal == Signal::too_late ? Outcome::unanswered : Outcome::aborted;
         return std::nullopt;
     }
     note_away(planned, choice.away_s);
-    Response response = response_of(choice, question_.confidence);
+    Response response{choice};
+    if (!question_.confidence) {
+        response.confidence.reset();
+    }
     response.correct = is_right(protocol_, plan_, planned, felt, choice.place);
     if (question_.kind == ResponseKind::identification) {
         response.object = plan_.picture_order.at(choice.place);
@@ -313,14 +296,14 @@ void TrialRunner::note_away(const PlannedTrial& planned, double away_s) {
         {.sentence = text + ": its answer is kept; mark the trial if it should not count"});
 }
 
-void TrialRunner::note_lost_ticks(TrialId id, const PlannedTrial& planned) {
+void TrialRunner::note_lost_ticks(const Running& trial) {
     if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
         dropped_ += lost;
         happened_({.kind = EventKind::ticks_lost,
                    .text = fmt::format("{} found the ring full at position {}",
-                                       counted(lost, "tick"), planned.position),
-                   .trial = id,
-                   .position = planned.position,
+                                       counted(lost, "tick"), trial.planned.position),
+                   .trial = trial.id,
+                   .position = trial.planned.position,
                    .count = lost});
     }
 }

@@ -37,29 +37,23 @@ public:
     [[nodiscard]] TrialView view_of(const PendingTrials& pending) const;
 
 private:
+    /// A trial that was begun.
+    struct Running {
+        TrialId id;
+        const PlannedTrial& planned;
+        TrialView view;  ///< of the interval that runs
+        TrialResult result{};
+    };
     [[nodiscard]] Signal begin(const TrialView& view);
-    void feel(TrialId id,
-              const PlannedTrial& planned,
-              const Presentation& felt,
-              const engine::SceneView& scene,
-              const TrialView& view,
-              TrialResult& result);
-    void explore(TrialId id, const TrialView& view, TrialResult& result);
-    void note_fault(TrialId id,
-                    const PlannedTrial& planned,
-                    const TrialView& view,
-                    TrialResult& result);
-    void note_lost_ticks(TrialId id, const PlannedTrial& planned);
+    void feel(Running& trial, const Presentation& felt, const engine::SceneView& scene);
+    void explore(Running& trial);
+    void note_fault(Running& trial);
+    void note_lost_ticks(const Running& trial);
     void note_away(const PlannedTrial& planned, double away_s);
     /// @return what the protocol's rule takes in, if it does
-    std::optional<RuleAnswer> answer(const PlannedTrial& planned,
-                                     std::span<const Presentation> felt,
-                                     const TrialView& view,
-                                     TrialResult& result);
-    void end(TrialId id,
-             const PlannedTrial& planned,
-             const std::optional<RuleAnswer>& answer,
-             TrialResult& result);
+    std::optional<RuleAnswer> answer(Running& trial, std::span<const Presentation> felt);
+    /// @param answer  what the protocol's rule takes in
+    void end(Running& trial, const std::optional<RuleAnswer>& answer);
     void drain(TrialId id, bool exploring);
     [[nodiscard]] Fault fault_of(engine::Trip cause) const;
 

@@ -72,7 +72,7 @@ public:
 
     /// What is to be said now: also of what stands against every force, as long as it does.
     void say_now() {
-        const char* barred = ports_.desk == nullptr ? nullptr : ports_.desk->barred();
+        const char* barred = ports_.desk->barred();
         view.solved = solved_ && barred == nullptr;
         view.sentence = solved_ && barred != nullptr ? barred : sentence_;
     }
@@ -99,9 +99,7 @@ private:
     /// Whether it is away, and whether the force is off.
     void look() {
         was_away_ = was_away_ || !ports_.apparatus.trouble().empty();
-        if (ports_.desk != nullptr) {
-            ports_.desk->doubt_force(ports_.apparatus.force_unproved());
-        }
+        ports_.desk->doubt_force(ports_.apparatus.force_unproved());
     }
 
     /// Whoever felt the rig before cannot tell whether it is the same.
@@ -127,7 +125,7 @@ private:
 }  // namespace
 
 const char* note_stop(Ports& ports, std::optional<TrialId> trial) {
-    const char* way = ports.desk == nullptr ? nullptr : ports.desk->take_stop();
+    const char* way = ports.desk->take_stop();
     if (way != nullptr) {
         ports.recorder.event({.kind = EventKind::stop,
                               .text = fmt::format("no force is wanted: {}", way),

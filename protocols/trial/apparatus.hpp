@@ -18,10 +18,10 @@ public:
     Apparatus& operator=(const Apparatus&) = delete;
     virtual ~Apparatus() = default;
 
-    /// Starts an interval of a trial. @param scene what it looks at outlives end() @param interval
-    /// 1 or 2
+    /// Starts an interval (1 or 2) of a trial, at its position in the plan.
+    /// @param scene  what it looks at outlives end()
     virtual void begin(const engine::SceneView& scene,
-                       const PlannedTrial& planned,
+                       std::size_t position,
                        std::size_t interval) = 0;
     /// Lets a little time pass; ticks come out of ring().
     virtual engine::ServoStatus advance() = 0;

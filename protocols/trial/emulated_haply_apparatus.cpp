@@ -65,10 +65,10 @@ EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
       servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
 void EmulatedHaplyApparatus::begin(const engine::SceneView& scene,
-                                   const PlannedTrial& planned,
+                                   std::size_t position,
                                    std::size_t interval) {
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between
-    haply_.begin(hand_.at(planned.position, interval));
+    haply_.begin(hand_.at(position, interval));
     servo_.begin(scene);
 }
 

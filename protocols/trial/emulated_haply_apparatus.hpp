@@ -32,9 +32,7 @@ public:
                            const std::string& link = {});
 
     /// The handle is at the start, the hand sets off.
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override;
+    void begin(const engine::SceneView& scene, std::size_t position, std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return haply_.hand_is_done(); }
     [[nodiscard]] bool reconnect() override {
         servo_.park();

@@ -33,9 +33,8 @@ struct SessionView {
 
 /// What the participant may know of a trial while feeling. Nothing of the condition, ever.
 struct TrialView {
-    std::size_t number =
-        0;  ///< 1, 2, ... as shown: practice by itself, main and catch trials together
-    std::size_t total = 0;  ///< of the same
+    std::size_t number = 0;  ///< 1, 2, ...: practice by itself, main and catch trials together
+    std::size_t total = 0;   ///< of the same
     bool practice = false;
     std::size_t done = 0;  ///< trials of the whole session: names the draws of a simulated observer
     std::size_t unanswered = 0;  ///< attempts at which nobody answered: the same
@@ -52,10 +51,7 @@ struct TroubleView {
     bool solved = false;       ///< the device works: the next trial may be asked for
     std::size_t tries = 0;     ///< how often the device was asked to come back, in vain
     std::size_t in_a_row = 1;  ///< faulted trials since the last good one
-    bool by_hand =
-        false;  ///< the experimenter stopped the trial: who goes on is not the participant
-
-    friend bool operator==(const TroubleView&, const TroubleView&) = default;
+    bool by_hand = false;      ///< the experimenter has to go on, and not the participant
 };
 
 /// When nobody is there to mend anything: failed tries, and faults in a row, after which to give
@@ -85,8 +81,7 @@ struct Picture {
     std::vector<engine::Vec2> outline;               ///< closed polyline, chord error <= 20 um
     std::vector<std::vector<engine::Vec2>> lines{};  ///< open polylines within it, of a surface
     std::vector<stimuli::ShadedPoint> shade{};  ///< triangles within it, in threes, of a surface
-    std::vector<std::vector<engine::Vec2>>
-        walls{};  ///< of the block whose top it is, closed polylines
+    std::vector<std::vector<engine::Vec2>> walls{};  ///< of the block below, closed polylines
 };
 
 /// What is asked after feeling. The same for every trial of a session.
@@ -102,18 +97,6 @@ struct Question {
     bool confirm = false;     ///< answer and confidence can be changed until they are confirmed
     double timeout_s = 0.0;   ///< of answer and confidence each, then nobody answers; 0: none
 };
-
-/// Which of the pictures?
-[[nodiscard]] inline Question which_of(std::span<const Picture> pictures) {
-    return {.kind = ResponseKind::identification,
-            .text = {},
-            .pictures = pictures,
-            .answers = pictures.size(),
-            .labels = {},
-            .confidence = false,
-            .confirm = false,
-            .timeout_s = 0.0};
-}
 
 /// How sure one is of an answer: 1 (a guess) .. kMaxConfidence.
 inline constexpr int kMaxConfidence = 4;

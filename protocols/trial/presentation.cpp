@@ -6,16 +6,6 @@
 namespace palpate::protocols {
 namespace {
 
-Presentation comparison_of(const Protocol& protocol, const PlannedTrial& planned, double stimulus) {
-    const AdaptiveSpec& spec = *protocol.procedure;
-    Presentation felt{.interval = planned.adaptive->comparison,
-                      .object = protocol.objects.at(planned.condition.object),
-                      .friction = protocol.frictions.at(planned.condition.friction),
-                      .stimulus = stimulus};
-    feel_stimulus(spec, stimulus, felt);
-    return felt;
-}
-
 constexpr double kMillimetre = 1e-3;
 
 }  // namespace
@@ -53,18 +43,21 @@ std::vector<Presentation> presentations_of(const Protocol& protocol,
     refuse_if(
         planned.adaptive.has_value() != stimulus.has_value(), "{}",
         stimulus ? "a stimulus for a trial without a rule" : "no stimulus for a trial of a rule");
+    const auto felt = [&](std::size_t interval, std::size_t friction) {
+        return Presentation{.interval = interval,
+                            .object = protocol.objects.at(planned.condition.object),
+                            .friction = protocol.frictions.at(friction)};
+    };
     if (!planned.adaptive) {
-        return {{.interval = 1,
-                 .object = protocol.objects.at(planned.condition.object),
-                 .friction = protocol.frictions.at(planned.condition.friction)}};
+        return {felt(1, planned.condition.friction)};
     }
-    std::vector<Presentation> intervals{comparison_of(protocol, planned, *stimulus)};
+    const std::size_t comparison = planned.adaptive->comparison;
+    std::vector<Presentation> intervals{felt(comparison, planned.condition.friction)};
+    intervals.front().stimulus = stimulus;
+    feel_stimulus(*protocol.procedure, *stimulus, intervals.front());
     if (intervals_of(protocol) == 2) {
-        const std::size_t other = 3 - planned.adaptive->comparison;
-        intervals.insert(other == 1 ? intervals.begin() : intervals.end(),
-                         {.interval = other,
-                          .object = protocol.objects.at(planned.condition.object),
-                          .friction = protocol.frictions.at(planned.adaptive->standard_friction)});
+        intervals.insert(comparison == 2 ? intervals.begin() : intervals.end(),
+                         felt(3 - comparison, planned.adaptive->standard_friction));
     }
     return intervals;
 }

@@ -89,10 +89,8 @@ DrawnHand::DrawnHand(const Protocol& protocol,
       own_(own) {}
 
 Pcg32 DrawnHand::stream_of(std::size_t position, std::size_t interval) const {
-    StreamKey own = session_stream(protocol_hash_, key_, seed_);
-    own.block = position;
-    own.purpose = interval == 1 ? purpose::hand : purpose::second_hand;
-    return stream(own);
+    return stream(session_stream(protocol_hash_, key_, seed_),
+                  interval == 1 ? purpose::hand : purpose::second_hand, position);
 }
 
 engine::SurfaceExploration DrawnHand::on_surface(std::size_t position, std::size_t interval) const {
@@ -161,9 +159,9 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
 }
 
 void ReplayApparatus::begin(const engine::SceneView& scene,
-                            const PlannedTrial& planned,
+                            std::size_t position,
                             std::size_t interval) {
-    const std::size_t at = planned.position * intervals_ + interval - 1;
+    const std::size_t at = position * intervals_ + interval - 1;
     device_.begin(recordings_[at % recordings_.size()]);
     servo_.begin(scene);
 }
@@ -181,12 +179,6 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
       device_(std::move(device)),
       servo_(*device_, servo_spec(protocol, *device_, spin_share, max_force)),
       homings_(device_->homings()) {}
-
-void DeviceApparatus::begin(const engine::SceneView& scene,
-                            const PlannedTrial& /*planned*/,
-                            std::size_t /*interval*/) {
-    servo_.begin(scene);
-}
 
 bool DeviceApparatus::reconnect() {
     servo_.park();  // nobody else may use the device meanwhile
@@ -257,12 +249,5 @@ PointerApparatus::PointerApparatus(const Protocol& protocol)
     : ServoApparatus(servo_),
       start_(protocol.apparatus.start),
       servo_(device_, servo_spec(protocol, device_)) {}
-
-void PointerApparatus::begin(const engine::SceneView& scene,
-                             const PlannedTrial& /*planned*/,
-                             std::size_t /*interval*/) {
-    device_.publish(start_);
-    servo_.begin(scene);
-}
 
 }  // namespace palpate::protocols

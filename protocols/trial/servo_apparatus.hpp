@@ -120,12 +120,12 @@ public:
           servo_(machine_, servo_spec(protocol, machine_), pace) {}
 
     void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
+               std::size_t position,
                std::size_t interval) override {
         if constexpr (std::is_same_v<Machine, engine::SimulatedGantry>) {
-            machine_.begin(hand_.on_surface(planned.position, interval));
+            machine_.begin(hand_.on_surface(position, interval));
         } else {
-            machine_.begin(hand_.at(planned.position, interval));
+            machine_.begin(hand_.at(position, interval));
         }
         servo_.begin(scene);
     }
@@ -153,9 +153,7 @@ public:
                     std::string source,
                     double pace = 0.0);
 
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override;
+    void begin(const engine::SceneView& scene, std::size_t position, std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
     [[nodiscard]] bool exhausted() const noexcept override;
     [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
@@ -197,9 +195,9 @@ public:
                     double spin_share = 0.0,
                     double max_force = std::numeric_limits<double>::infinity());
 
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override;
+    void begin(const engine::SceneView& scene, std::size_t, std::size_t) override {
+        servo_.begin(scene);
+    }
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] bool began_anew() override;
     [[nodiscard]] std::string trouble() const override {
@@ -247,9 +245,10 @@ public:
     /// it is until the window moves it.
     explicit PointerApparatus(const Protocol& protocol);
 
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override;
+    void begin(const engine::SceneView& scene, std::size_t, std::size_t) override {
+        device_.publish(start_);
+        servo_.begin(scene);
+    }
     /// The window moves it.
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
 

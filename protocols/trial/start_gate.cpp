@@ -1,32 +1,13 @@
 #include "protocols/trial/start_gate.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
 
 namespace palpate::protocols {
-namespace {
-
-/// Every one, and the flattest and the roundest that a rule may choose: what lies in another lies
-/// in these.
-std::vector<ObjectSpec> objects_felt(const Protocol& protocol) {
-    std::vector<ObjectSpec> objects = protocol.objects;
-    const auto base = std::ranges::find_if(protocol.objects, [&](const ObjectSpec& object) {
-        return protocol.procedure && protocol.procedure->varies == Varies::curvature &&
-               object.name == protocol.procedure->object;
-    });
-    if (base != protocol.objects.end()) {
-        for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
-            objects.push_back(*base);
-            objects.back().curvature = felt_value(*protocol.procedure, x);
-        }
-    }
-    return objects;
-}
-
-}  // namespace
 
 engine::Vec3 start_of(const Protocol& protocol) {
     return {protocol.apparatus.start, protocol.surface ? protocol.surface->start_height : 0.0};
@@ -36,7 +17,10 @@ StartGate::StartGate(const Protocol& protocol)
     : start_(start_of(protocol)),
       radius_(protocol.apparatus.start_radius),
       in_space_(protocol.surface.has_value()) {
-    for (const ObjectSpec& object : objects_felt(protocol)) {
+    // Of what a rule may choose the flattest and the roundest: what lies in another lies in these.
+    std::vector<ObjectSpec> objects = protocol.objects;
+    std::ranges::move(extreme_objects(protocol), std::back_inserter(objects));
+    for (const ObjectSpec& object : objects) {
         if (in_space_) {
             surfaces_.emplace_back(surface_of(protocol, object));
         } else {

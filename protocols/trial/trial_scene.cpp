@@ -27,16 +27,6 @@ engine::SceneSpec contact_of(const Protocol& protocol, const Presentation& felt)
 
 }  // namespace
 
-engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
-    return make_scene(protocol,
-                      Presentation{.object = protocol.objects.at(condition.object),
-                                   .friction = protocol.frictions.at(condition.friction)});
-}
-
-engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
-    return {outline_of(protocol, felt.object), contact_of(protocol, felt)};
-}
-
 engine::FeltScene make_felt_scene(const Protocol& protocol, const Presentation& felt) {
     if (!protocol.surface) {
         return {outline_of(protocol, felt.object), contact_of(protocol, felt)};

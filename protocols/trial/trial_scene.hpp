@@ -15,12 +15,6 @@ namespace palpate::protocols {
 /// The compiled scene of an interval, in the plane or in space. @throws std::invalid_argument if it
 /// cannot be built
 [[nodiscard]] engine::FeltScene make_felt_scene(const Protocol& protocol, const Presentation& felt);
-/// Of a protocol in the plane.
-[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);
-
-/// The compiled scene of a condition. @throws std::invalid_argument if it cannot be built
-[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Condition& condition);
-
 /// The pictures in the order of the screen. @param order  place -> index into Protocol::objects
 [[nodiscard]] std::vector<Picture> make_pictures(const Protocol& protocol,
                                                  std::span<const std::size_t> order);

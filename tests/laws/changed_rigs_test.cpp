@@ -79,7 +79,7 @@ public:
     [[nodiscard]] ShortForm prove_place() override { return proof_.place(*device_); }
     [[nodiscard]] ShortForm prove_motors() override { return proof_.pulses(*device_); }
     [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
-    void begin(const SceneView&, const protocols::PlannedTrial&, std::size_t) override {}
+    void begin(const SceneView&, std::size_t, std::size_t) override {}
     ServoStatus advance() override { return ServoStatus::running; }
     void end() override {}
     [[nodiscard]] TickRing& ring() noexcept override { return ring_; }

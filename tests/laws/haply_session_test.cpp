@@ -7,6 +7,7 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;

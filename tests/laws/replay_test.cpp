@@ -4,6 +4,7 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scenes.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;

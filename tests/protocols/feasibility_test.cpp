@@ -4,6 +4,7 @@
 #include "protocols/session/feasibility.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/scenes.hpp"
 
 using engine::Vec2;
 using engine::Vec3;

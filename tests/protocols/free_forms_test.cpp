@@ -2,6 +2,7 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/test_text.hpp"
 

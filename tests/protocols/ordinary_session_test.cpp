@@ -4,6 +4,7 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/scenes.hpp"
 
 using namespace palpate::protocols;
 

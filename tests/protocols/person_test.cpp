@@ -3,6 +3,7 @@
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/scenes.hpp"
 
 using namespace palpate::protocols;
 

@@ -245,23 +245,22 @@ TEST_CASE("a response that no parameter allows is refused and changes nothing", 
 }
 
 TEST_CASE("psi is QUEST+ on a grid of log10 slopes", "[psi][law]") {
-    const PsiSpec psi{.family = Family::logistic,
-                      .stimuli = evenly(-3, 3, 13),
-                      .thresholds = evenly(-2, 2, 17),
-                      .log10_slopes = evenly(-0.5, 1.0, 7),
-                      .guesses = {0.5},
-                      .lapses = {0.02}};
+    const auto spec_with = [](SlopeAs as, const std::vector<double>& slopes) {
+        const auto word = std::string(kSlopeWords.at(static_cast<std::size_t>(as)));
+        return QuestPlusSpec{.model = psychometric_model(Family::logistic, LapseForm::upper, as),
+                             .stimuli = Grid({{"stimulus", evenly(-3, 3, 13)}}),
+                             .parameters = Grid({{"threshold", evenly(-2, 2, 17)},
+                                                 {word, slopes},
+                                                 {"guess", {0.5}},
+                                                 {"lapse", {0.02}}})};
+    };
+    const std::vector<double> log10_slopes = evenly(-0.5, 1.0, 7);
     std::vector<double> slopes;
-    for (const double s : psi.log10_slopes) {
+    for (const double s : log10_slopes) {
         slopes.push_back(std::pow(10.0, s));
     }
-    const QuestPlusSpec plain{.model = psychometric_model(Family::logistic, LapseForm::upper),
-                              .stimuli = Grid({{"stimulus", psi.stimuli}}),
-                              .parameters = Grid({{"threshold", psi.thresholds},
-                                                  {"slope", slopes},
-                                                  {"guess", {0.5}},
-                                                  {"lapse", {0.02}}})};
-    Procedure a(psi, Pcg32(1, 1));
+    const QuestPlusSpec plain = spec_with(SlopeAs::slope, slopes);
+    Procedure a(spec_with(SlopeAs::log10_slope, log10_slopes), Pcg32(1, 1));
     Procedure b(plain, Pcg32(1, 1));
     Random random(5);
     for (int i = 0; i < 40; ++i) {

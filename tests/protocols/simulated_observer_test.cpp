@@ -1,6 +1,7 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/scenes.hpp"
 
 using namespace palpate::protocols;
 

@@ -3,6 +3,7 @@
 #include "protocols/session/progress.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "protocols/trial/trial_scene.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/test_text.hpp"
 
@@ -114,7 +115,7 @@ TEST_CASE("an episode of a soft object ends at its rest, and gives nothing more 
     }
     engine::FeltState state;
     engine::set_contacts(ticks, scene, state);
-    TrialMeter meter(protocol.apparatus.stiffness, scene.outline());
+    TrialMeter meter(protocol.apparatus.stiffness, scene);
     meter.add(ticks);
     engine::EnergyLedger<3> contacts(protocol.apparatus.stiffness);
     for (const engine::TickRecord& tick : ticks) {

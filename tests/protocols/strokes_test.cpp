@@ -1,5 +1,6 @@
 #include <variant>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
@@ -25,6 +26,12 @@ double parameter_at(double share, double curvature) {
     const double half = std::asin(0.5 * std::fabs(curvature) * kChord);
     const double a = share * half;
     return half < 1e-9 ? share : std::sin(a) / (std::sin(a) + std::sin(half - a));
+}
+
+/// Two curves that rub.
+engine::Scene felt_scene(double curvature) {
+    return {stimuli::make_outline({.curvature = curvature}),
+            {.friction = {.mu_s = 0.7, .mu_d = 0.5}}};
 }
 
 TickRecord tick_on(std::int64_t k, std::int16_t segment, double u) {
@@ -114,8 +121,8 @@ TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
 TEST_CASE("speeds are those of contact, stops and new slips are counted", "[exploration][law]") {
     SEED(30);
     tests::Random random(static_cast<std::uint64_t>(seed));
-    const auto outline = stimuli::make_outline({.curvature = 5.0});
-    ExplorationMeter meter(*outline);
+    const engine::Scene scene = felt_scene(5.0);
+    ExplorationMeter meter(scene);
     const double slow =
         random.in(0.01, 0.05);  // m/s, four fifths of the time in contact; then twice it
     double x = 0.0;
@@ -154,8 +161,8 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted", "[expl
 
 TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing",
           "[exploration]") {
-    const auto outline = stimuli::make_outline({.curvature = 5.0});
-    const ExplorationMeter meter(*outline);
+    const engine::Scene scene = felt_scene(5.0);
+    const ExplorationMeter meter(scene);
     CHECK(meter.speed().p90 == 0.0);
     CHECK(meter.normal_force().p10 == 0.0);
     CHECK(meter.covered_share() == 0.0);
@@ -231,8 +238,8 @@ TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][la
 }
 
 TEST_CASE("the meter says speed in contact and time on each side of the vertex", "[strokes]") {
-    const auto outline = stimuli::make_outline({.curvature = 0.0});
-    protocols::TrialMeter meter(1000.0, *outline);
+    const engine::Scene scene = felt_scene(0.0);
+    protocols::TrialMeter meter(1000.0, scene);
     std::vector<TickRecord> ticks;
     for (int k = 0; k < 1000; ++k) {  // 0.1 m/s along a line, 200 ticks of it in the air
         TickRecord tick = tick_at(k, 1e-4 * k, 0.7);
@@ -256,8 +263,8 @@ namespace {
 
 /// A second of a hand in and out of contact, in no order.
 protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
-    const auto outline = stimuli::make_outline({.curvature = 0.0});
-    protocols::TrialMeter meter(1000.0, *outline);
+    const engine::Scene scene = felt_scene(0.0);
+    protocols::TrialMeter meter(1000.0, scene);
     for (int k = 0; k < 1000; ++k) {
         TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
         tick.segment = static_cast<std::int16_t>(random.below(3) - 1);

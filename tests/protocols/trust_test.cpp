@@ -276,11 +276,11 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
     public:
         using ChangingRig::ChangingRig;
         void begin(const engine::SceneView& scene,
-                   const PlannedTrial& planned,
+                   std::size_t position,
                    std::size_t interval) override {
             CHECK((interval == 1 || !tripped));
             trips_in_ramp = tripped = interval == 1 && trips-- > 0;
-            ChangingRig::begin(scene, planned, interval);
+            ChangingRig::begin(scene, position, interval);
         }
         void end() override {
             ChangingRig::end();
@@ -315,11 +315,11 @@ TEST_CASE(
         using ChangingRig::ChangingRig;
         void stop(Trip cause) noexcept override { stopped = cause; }
         void begin(const engine::SceneView& scene,
-                   const PlannedTrial& planned,
+                   std::size_t position,
                    std::size_t interval) override {
             left = gone;
             if (!gone) {
-                ChangingRig::begin(scene, planned, interval);
+                ChangingRig::begin(scene, position, interval);
             }
         }
         engine::ServoStatus advance() override {

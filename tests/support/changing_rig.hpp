@@ -41,13 +41,13 @@ public:
         : FaultyApparatus(world), wrong_(wrong), cause_(cause) {}
 
     void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
+               std::size_t position,
                std::size_t interval) override {
         CHECK(placed);
         CHECK(pulsed);
         CHECK(plugs_known);
         CHECK(since++ < kMaxTrialsOfAProof);
-        FaultyApparatus::begin(scene, planned, interval);
+        FaultyApparatus::begin(scene, position, interval);
     }
     engine::ServoStatus advance() override {
         const auto status = FaultyApparatus::advance();

@@ -32,9 +32,9 @@ public:
     explicit FaultyApparatus(World& world) : world_(world) {}
 
     void begin(const engine::SceneView& /*scene*/,
-               const protocols::PlannedTrial& planned,
+               std::size_t position,
                std::size_t /*interval*/) override {
-        position_ = planned.position;
+        position_ = position;
         faults_ = world_.faults_now(position_);
         trip_ = engine::Trip::none;
         last_.clear();

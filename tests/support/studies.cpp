@@ -107,8 +107,7 @@ protocols::TrialResult answered(std::size_t object, bool correct, std::int64_t t
     result.done_s = 3.0;
     result.summary.ticks = ticks;
     result.intervals = {{.done_s = result.done_s, .summary = result.summary}};
-    result.response = protocols::Response{
-        .place = object, .object = object, .correct = correct, .reaction_s = 1.0};
+    result.response = protocols::Response{{.place = object, .reaction_s = 1.0}, object, correct};
     return result;
 }
 

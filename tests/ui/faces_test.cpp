@@ -2,6 +2,7 @@
 #include "ui/subject/paragraph.hpp"
 #include "ui/subject/stroke.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/ui/keys.hpp"
 
 using namespace palpate::protocols;

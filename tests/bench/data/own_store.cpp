@@ -14,6 +14,7 @@
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/verify.hpp"
+#include "tests/support/scenes.hpp"
 
 namespace palpate::bench {
 
