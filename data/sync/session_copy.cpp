@@ -108,7 +108,7 @@ void copy_events(const SessionVersion& from,
     while (row.step()) {
         add.bind(1, session);
         bind_row(row, add, 2);
-        add.bind_null(2);
+        add.bind(2, std::monostate());
         for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
             if (from.trials[i].id == row.integer(0)) {
                 add.bind(2, trials.at(i));

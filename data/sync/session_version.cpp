@@ -214,22 +214,7 @@ Layout catalogue_layout() {
 
 void bind_row(const Statement& from, Statement& to, int first) {
     for (int column = 0; column < from.columns(); ++column) {
-        switch (from.type(column)) {
-            case 1:
-                to.bind(first + column, from.integer(column));
-                break;
-            case 2:
-                to.bind(first + column, from.real(column));
-                break;
-            case 3:
-                to.bind(first + column, std::string_view(from.text(column)));
-                break;
-            case 4:
-                to.bind(first + column, from.blob(column));
-                break;
-            default:
-                to.bind_null(first + column);
-        }
+        to.bind(first + column, from.value(column));
     }
 }
 
