@@ -49,8 +49,8 @@ Selection::Selection(Database& database, const ExportOptions& options)
         "PRAGMA temp_store = MEMORY;CREATE TEMP TABLE chosen (session_id INTEGER PRIMARY KEY, "
         "subject TEXT, label TEXT, day INTEGER, session_number INTEGER);CREATE TEMP TABLE numbered "
         "(trial_id INTEGER PRIMARY KEY, trial_number INTEGER NOT NULL, zero_ns INTEGER, "
-        "trials_since_break INTEGER);CREATE TEMP TABLE happened (event_id INTEGER PRIMARY KEY, "
-        "since_ns INTEGER);");
+        "trials_since_break INTEGER, exclusion TEXT);CREATE TEMP TABLE happened (event_id INTEGER "
+        "PRIMARY KEY, since_ns INTEGER);");
     choose(options.kind);
     number_sessions();
     name_subjects();
@@ -67,9 +67,8 @@ Selection::Selection(Database& database, const ExportOptions& options)
         "3600000000000) OVER (PARTITION BY session_id ORDER BY trial_id) AS part FROM begun) "
         "INSERT INTO numbered SELECT trial_id, row_number() OVER (PARTITION BY part.session_id "
         "ORDER BY trial_id), first_value(started_ns) OVER (PARTITION BY part.session_id, part "
-        "ORDER "
-        "BY trial_id), trials_since_break FROM part JOIN analysis_trial USING (trial_id);INSERT "
-        "INTO happened SELECT event_id, since_ns FROM (SELECT event.event_id AS "
+        "ORDER BY trial_id), trials_since_break, exclusion FROM part JOIN analysis_trial USING "
+        "(trial_id);INSERT INTO happened SELECT event_id, since_ns FROM (SELECT event.event_id AS "
         "event_id, event.at_ns - zero_ns AS since_ns, row_number() OVER (PARTITION BY "
         "event.event_id ORDER BY abs(event.at_ns - begun.started_ns)) AS nearest FROM event JOIN "
         "chosen ON chosen.session_id = event.session_id JOIN trial AS begun ON begun.session_id = "
