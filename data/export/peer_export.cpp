@@ -7,7 +7,7 @@
 #include "engine/base/refuse.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
-#include "data/store/graded_answers.hpp"
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {

@@ -116,8 +116,7 @@ std::vector<ExportColumn> columns_of(const std::string& words) {
         const std::size_t equals = word.find('=');
         if (word.ends_with(".*")) {
             const std::string name = word.substr(0, word.size() - 2);
-            const auto table = std::ranges::find(catalogue(), name, &TableManual::name);
-            for (const ColumnManual& column : table->columns) {
+            for (const ColumnManual& column : find_table(name)->columns) {
                 const bool there =
                     std::ranges::find(columns, column.name, &ExportColumn::name) != columns.end();
                 if (column.seen != Visibility::file && !there) {

@@ -202,14 +202,7 @@ std::vector<TableManual> statements_of(std::string_view sql) {
 
 /// A view's column that is another's has its meaning, words and readers.
 void say_what_is_repeated(const std::vector<TableManual>& manual, ColumnManual& column) {
-    const std::size_t dot = column.source.find('.');
-    const auto table = std::ranges::find(manual, column.source.substr(0, dot), &TableManual::name);
-    if (dot == std::string::npos || table == manual.end()) {
-        return;
-    }
-    const auto source =
-        std::ranges::find(table->columns, column.source.substr(dot + 1), &ColumnManual::name);
-    if (source != table->columns.end()) {
+    if (const ColumnManual* source = find_column(column.source, manual)) {
         column.type = source->type;
         column.seen = source->seen;
         column.levels = source->levels;
@@ -340,21 +333,28 @@ const std::vector<TableManual>& catalogue() {
 std::vector<std::string> tables_with(std::string_view column) {
     std::vector<std::string> names;
     for (const TableManual& table : catalogue()) {
-        if (!table.view && find_column(fmt::format("{}.{}", table.name, column)) != nullptr) {
+        if (!table.view && table.find(column) != nullptr) {
             names.push_back(table.name);
         }
     }
     return names;
 }
 
-const ColumnManual* find_column(std::string_view name) {
+const ColumnManual* TableManual::find(std::string_view column) const {
+    const auto at = std::ranges::find(columns, column, &ColumnManual::name);
+    return at == columns.end() ? nullptr : &*at;
+}
+
+const TableManual* find_table(std::string_view name, const std::vector<TableManual>& among) {
+    const auto at = std::ranges::find(among, name, &TableManual::name);
+    return at == among.end() ? nullptr : &*at;
+}
+
+const ColumnManual* find_column(std::string_view name, const std::vector<TableManual>& among) {
     const std::size_t dot = name.find('.');
-    const auto table = std::ranges::find(catalogue(), name.substr(0, dot), &TableManual::name);
-    if (table == catalogue().end() || dot == std::string_view::npos) {
-        return nullptr;
-    }
-    const auto at = std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
-    return at == table->columns.end() ? nullptr : &*at;
+    const TableManual* table = find_table(name.substr(0, dot), among);
+    return table == nullptr || dot == std::string_view::npos ? nullptr
+                                                             : table->find(name.substr(dot + 1));
 }
 
 std::string_view views_sql() {

@@ -11,9 +11,8 @@
 namespace palpate::data {
 
 bool Row::has(std::string_view column) const {
-    const auto table = std::ranges::find(catalogue(), table_, &TableManual::name);
-    return table != catalogue().end() &&
-           std::ranges::find(table->columns, column, &ColumnManual::name) != table->columns.end();
+    const TableManual* table = find_table(table_);
+    return table != nullptr && table->find(column) != nullptr;
 }
 
 Row& Row::add(std::string_view column, ColumnValue value) {

@@ -98,8 +98,7 @@ std::vector<std::string_view> columns_of_an_end() {
     constexpr std::array<std::string_view, 5> kOther{"calibration_sha256", "invalid_reason",
                                                      "started_ns", "seal", "seal_events"};
     std::vector<std::string_view> columns;
-    for (const ColumnManual& column :
-         std::ranges::find(catalogue(), "trial", &TableManual::name)->columns) {
+    for (const ColumnManual& column : find_table("trial")->columns) {
         if (column.nullable && std::ranges::find(kOther, column.name) == kOther.end()) {
             columns.emplace_back(column.name);
         }
