@@ -204,10 +204,11 @@ Layout catalogue_layout() {
     return layout;
 }
 
-void bind_row(const Statement& from, Statement& to, int first) {
+Statement& bind_row(const Statement& from, Statement& to, int first) {
     for (int column = 0; column < from.columns(); ++column) {
         to.bind(first + column, from.value(column));
     }
+    return to;
 }
 
 std::vector<SessionVersion> session_versions(Database& database,
