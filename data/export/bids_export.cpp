@@ -266,22 +266,16 @@ void write_sessions(Database& database,
     write_described(folder / (subject + "_sessions"), std::move(row), sidecar);
 }
 
-/// The trials' columns but those that the name of the file says.
-std::vector<ExportColumn> beh_columns(bool details) {
-    std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
-    std::erase_if(columns, [](const ExportColumn& column) {
-        return column.name == "subject" || column.name == "study_label" ||
-               column.name == "session_number";
-    });
-    return columns;
-}
-
 void write_beh(Database& database,
                const ChosenSession& session,
                bool details,
                const fs::path& folder) {
     fs::create_directories(folder);
-    const auto columns = beh_columns(details);
+    std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
+    std::erase_if(columns, [](const ExportColumn& column) {  // the name of the file says it
+        return column.name == "subject" || column.name == "study_label" ||
+               column.name == "session_number";
+    });
     const std::string stem = bids_stem(session) + "_beh";
     DelimitedFile file(folder / (stem + ".tsv"), TableStyle::tsv);
     Json sidecar{{"TaskName", session.study}, {"TaskDescription", session.title}};

@@ -252,13 +252,6 @@ void put_measures(std::string& sql, std::string_view named, int protocols::Measu
     sql.replace(sql.find(mark), mark.size(), columns);
 }
 
-std::string all_tables() {
-    std::string sql(tables_text());
-    put_measures(sql, "in_trial", &protocols::Measure::in_trial);
-    put_measures(sql, "in_interval", &protocols::Measure::in_interval);
-    return sql + fault_tick_table();
-}
-
 /// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not
 /// its trial runs too.
 constexpr std::string_view kMainTrial = R"sql(
@@ -321,7 +314,12 @@ std::vector<TableManual> schema_manual(std::string_view sql) {
 }
 
 std::string_view schema_sql() {
-    static const std::string all = fmt::format("\n{}{}", all_tables(), views_sql());
+    static const std::string all = [] {
+        std::string tables(tables_text());
+        put_measures(tables, "in_trial", &protocols::Measure::in_trial);
+        put_measures(tables, "in_interval", &protocols::Measure::in_interval);
+        return fmt::format("\n{}{}{}", tables, fault_tick_table(), views_sql());
+    }();
     return all;
 }
 

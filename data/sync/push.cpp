@@ -15,10 +15,12 @@
 namespace palpate::data {
 namespace {
 
-void add_values(const Statement& row, PostgresRow& to) {
+/// A row of a file, behind what the server's table has before it.
+PostgresRow with_row(PostgresRow before, const Statement& row) {
     for (int column = 0; column < row.columns(); ++column) {
-        to.push_back(row.value(column));
+        before.push_back(row.value(column));
     }
+    return before;
 }
 
 class Push {
@@ -113,16 +115,12 @@ private:
         one_at_a_time();
         for (const Statement& study : database_.prepare(
                  "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study")) {
-            PostgresRow row;
-            add_values(study, row);
-            send("study", row);
+            send("study", with_row({}, study));
         }
         for (const OwnedTable& table : layout_.of_file) {
             for (const Statement& line :
                  database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name))) {
-                PostgresRow row;
-                add_values(line, row);
-                send(table.name, row);
+                send(table.name, with_row({}, line));
             }
         }
         flush();
@@ -151,9 +149,7 @@ private:
                                 note.text(0), note.text(1), note.text(2), *found.begin()));
                 continue;
             }
-            PostgresRow row;
-            add_values(note, row);
-            send("participant_note", row);
+            send("participant_note", with_row({}, note));
         }
         flush();
     }
@@ -214,8 +210,7 @@ private:
 
     void push_session(const SessionVersion& session) {
         Statement line = database_.first(layout_.session.select("session_id"), session.id);
-        PostgresRow row{session.uuid};
-        add_values(line, row);
+        PostgresRow row = with_row({session.uuid}, line);
         row.insert(row.end(), {session.study, session.run_code, session.run_number, session.head,
                                kSchemaVersion});
         send("session", row);
@@ -239,9 +234,7 @@ private:
             return;
         }
         for (const Statement& line : database_.prepare(table.select(owner), id)) {
-            PostgresRow row = key;
-            add_values(line, row);
-            send(table.name, row);
+            send(table.name, with_row(key, line));
         }
     }
 
@@ -281,8 +274,7 @@ private:
 
     void push_trial(const TrialVersion& trial, const PostgresRow& key) {
         Statement line = database_.first(layout_.trial.select("trial_id"), trial.id);
-        PostgresRow row = key;
-        add_values(line, row);
+        PostgresRow row = with_row(key, line);
         row.insert(row.end(), {trial.content, kSchemaVersion});
         send("trial", row);
     }
@@ -312,7 +304,7 @@ private:
             const std::int64_t place = place_of(session, trial.integer(1));
             row.push_back(trial.null(1) || place == 0 ? ColumnValue() : ColumnValue(place));
             line.bind(1, trial.integer(0)).step();
-            add_values(line, row);
+            row = with_row(std::move(row), line);
             row.emplace_back(session.events.at(static_cast<std::size_t>(number - 1)));
             send("event", row);
             line.reset();
@@ -331,10 +323,8 @@ private:
 
     void push_end(const SessionVersion& session) {
         if (session.finished) {
-            PostgresRow row{session.uuid};
             Statement line = database_.first(layout_.session_end.select("session_id"), session.id);
-            add_values(line, row);
-            send("session_end", row);
+            send("session_end", with_row({session.uuid}, line));
             flush();
         }
     }
