@@ -1,5 +1,6 @@
 #include "data/sync/push.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -313,12 +314,8 @@ private:
     }
 
     static std::int64_t place_of(const SessionVersion& session, std::int64_t id) {
-        for (std::size_t i = 0; i < session.trials.size(); ++i) {
-            if (session.trials[i].id == id) {
-                return static_cast<std::int64_t>(i) + 1;
-            }
-        }
-        return 0;
+        const auto at = std::ranges::find(session.trials, id, &TrialVersion::id);
+        return at == session.trials.end() ? 0 : at - session.trials.begin() + 1;
     }
 
     void push_end(const SessionVersion& session) {

@@ -1,5 +1,7 @@
 #include "data/sync/session_copy.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
@@ -92,10 +94,9 @@ void copy_events(const SessionVersion& from,
     Statement add = out.prepare(with_trial.insert("session_id"));
     while (row.step()) {
         bind_row(row, add.bind(1, session), 2).bind(2, std::monostate());
-        for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
-            if (from.trials[i].id == row.integer(0)) {
-                add.bind(2, trials.at(i));
-            }
+        const auto at = std::ranges::find(from.trials, row.integer(0), &TrialVersion::id);
+        if (!row.null(0) && at != from.trials.end()) {
+            add.bind(2, trials.at(static_cast<std::size_t>(at - from.trials.begin())));
         }
         add.run();
     }
