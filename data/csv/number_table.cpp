@@ -253,12 +253,18 @@ private:
     std::vector<std::size_t> text_places_;
 };
 
-std::string text_of(const std::filesystem::path& file) {
+/// What reads a text names the file and why it cannot.
+template <class Read>
+auto as_table(const Read& read) {
     try {
-        return protocols::read_text(file);
-    } catch (const protocols::ProtocolError& e) {  // it names the file and why
+        return read();
+    } catch (const protocols::ProtocolError& e) {
         throw CsvError(e.what());
     }
+}
+
+std::string text_of(const std::filesystem::path& file) {
+    return as_table([&] { return protocols::read_text(file); });
 }
 
 }  // namespace
@@ -303,7 +309,7 @@ RereadableText::RereadableText(const std::filesystem::path& file)
     if (std::filesystem::is_regular_file(file, error)) {
         return;
     }
-    try {
+    as_table([&] {
         protocols::TextPieces pieces(file);
         copy_.reset(std::tmpfile());
         std::string piece;
@@ -311,9 +317,7 @@ RereadableText::RereadableText(const std::filesystem::path& file)
                std::fwrite(piece.data(), 1, piece.size(), copy_.get()) == piece.size()) {
             piece.clear();
         }
-    } catch (const protocols::ProtocolError& e) {  // it names the file and why
-        throw CsvError(e.what());
-    }
+    });
     if (!copy_ || std::fflush(copy_.get()) != 0 || std::ferror(copy_.get()) != 0) {
         const std::string why = std::generic_category().message(errno);
         throw CsvError(fmt::format(
@@ -340,18 +344,11 @@ struct NumberRows::Source {
     NumberTable row;
 };
 
-NumberRows::NumberRows(const RereadableText& text, std::span<const std::string_view> wanted) try
-    : source_(std::make_unique<Source>(text, wanted)) {
-} catch (const protocols::ProtocolError& e) {  // it names the file and why
-    throw CsvError(e.what());
-}
+NumberRows::NumberRows(const RereadableText& text, std::span<const std::string_view> wanted)
+    : source_(as_table([&] { return std::make_unique<Source>(text, wanted); })) {}
 
 bool NumberRows::next() {
-    try {
-        return source_->parser.next_row(source_->row);
-    } catch (const protocols::ProtocolError& e) {
-        throw CsvError(e.what());
-    }
+    return as_table([this] { return source_->parser.next_row(source_->row); });
 }
 
 double NumberRows::at(std::size_t column) const {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -76,11 +75,11 @@ void write_motion(std::span<const TickRecord> ticks, const std::filesystem::path
     each_tick(ticks, [&file, all = channels()](const TickRecord* tick) {
         for (const Channel& channel : all) {
             if (tick == nullptr) {
-                file.none();
+                file.add(std::monostate());
             } else if (channel.type == "LATENCY") {
-                file.text(latency_text(tick->time_ns));
+                file.add(latency_text(tick->time_ns));
             } else {
-                file.value(channel.column->value(*tick));
+                file.add(channel.column->value(*tick));
             }
         }
         file.end_row();
@@ -90,20 +89,14 @@ void write_motion(std::span<const TickRecord> ticks, const std::filesystem::path
 
 void write_channels(double rate_hz, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::tsv);
-    file.row({"name", "component", "type", "tracked_point", "units", "reference_frame",
-              "sampling_frequency", "description"});
+    file.row("name", "component", "type", "tracked_point", "units", "reference_frame",
+             "sampling_frequency", "description");
     for (const Channel& channel : channels()) {
         const std::string_view unit = channel.column->unit;
-        for (const std::string_view word :
-             {channel.column->name, channel.component, channel.type,
-              std::string_view(channel.type == "POS" ? "handle" : "n/a"),
-              unit.empty() || unit.starts_with('1') ? std::string_view("n/a") : unit,
-              std::string_view(channel.component == "n/a" ? "n/a" : "object")}) {
-            file.text(word);
-        }
-        file.real(rate_hz);
-        file.text(channel.column->meaning);
-        file.end_row();
+        file.row(channel.column->name, channel.component, channel.type,
+                 channel.type == "POS" ? "handle" : "n/a",
+                 unit.empty() || unit.starts_with('1') ? "n/a" : unit,
+                 channel.component == "n/a" ? "n/a" : "object", rate_hz, channel.column->meaning);
     }
     file.close();
 }
@@ -143,10 +136,9 @@ Json motion_json(const ChosenSession& session, std::span<const TickRecord> ticks
 void write_stim(std::span<const TickRecord> ticks, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::tsv);
     each_tick(ticks, [&file](const TickRecord* tick) {
-        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.x);
-        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.y);
-        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.z);
-        file.end_row();
+        constexpr std::monostate kLost;
+        tick == nullptr ? file.row(kLost, kLost, kLost)
+                        : file.row(tick->command.x, tick->command.y, tick->command.z);
     });
     file.close();
 }
@@ -221,7 +213,7 @@ Json described(const char* words) {
 void write_described(const std::string& stem, Statement rows, const Json& sidecar) {
     DelimitedFile file(stem + ".tsv", TableStyle::tsv);
     for (const auto& [name, words] : sidecar.items()) {
-        file.text(name);
+        file.add(name);
     }
     file.end_row();
     write_rows(std::move(rows), file);
@@ -274,22 +266,16 @@ void write_sessions(Database& database,
     write_described(folder / (subject + "_sessions"), std::move(row), sidecar);
 }
 
-/// The trials' columns but those that the name of the file says.
-std::vector<ExportColumn> beh_columns(bool details) {
-    std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
-    std::erase_if(columns, [](const ExportColumn& column) {
-        return column.name == "subject" || column.name == "study_label" ||
-               column.name == "session_number";
-    });
-    return columns;
-}
-
 void write_beh(Database& database,
                const ChosenSession& session,
                bool details,
                const fs::path& folder) {
     fs::create_directories(folder);
-    const auto columns = beh_columns(details);
+    std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
+    std::erase_if(columns, [](const ExportColumn& column) {  // the name of the file says it
+        return column.name == "subject" || column.name == "study_label" ||
+               column.name == "session_number";
+    });
     const std::string stem = bids_stem(session) + "_beh";
     DelimitedFile file(folder / (stem + ".tsv"), TableStyle::tsv);
     Json sidecar{{"TaskName", session.study}, {"TaskDescription", session.title}};

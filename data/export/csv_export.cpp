@@ -12,6 +12,7 @@
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/store/reader.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -49,7 +50,7 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::csv);
     const auto row = [&file](std::initializer_list<std::string_view> words) {
         for (const std::string_view word : words) {
-            word.empty() ? file.none() : file.text(word);
+            word.empty() ? file.add(std::monostate()) : file.add(word);
         }
         file.end_row();
     };
@@ -128,41 +129,20 @@ void DelimitedFile::raw(std::string_view value) {
     pending_ += value;
 }
 
-void DelimitedFile::text(std::string_view value) {
-    raw(style_ == TableStyle::tsv ? tsv_field(value) : csv_field(value));
+void DelimitedFile::put(std::string_view text) {
+    raw(style_ == TableStyle::tsv ? tsv_field(text) : csv_field(text));
 }
-
-void DelimitedFile::integer(std::int64_t value) {
+void DelimitedFile::put(std::int64_t value) {
     raw(fmt::format("{}", value));
 }
-void DelimitedFile::real(double value) {
-    std::isnan(value) ? none() : raw(number_text(value));
+void DelimitedFile::put(double value) {
+    std::isnan(value) ? put(std::monostate()) : raw(number_text(value));
 }
-void DelimitedFile::none() {
+void DelimitedFile::put(std::span<const std::byte> bytes) {
+    put(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+void DelimitedFile::put(std::monostate /*none*/) {
     raw(style_ == TableStyle::tsv ? "n/a" : "");
-}
-
-void DelimitedFile::value(const TickValue& value) {
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
-        integer(*whole);
-    } else if (const auto* number = std::get_if<double>(&value)) {
-        real(*number);
-    } else {
-        text(std::get<std::string_view>(value));
-    }
-}
-
-void DelimitedFile::value(const Statement& row, int column) {
-    switch (row.type(column)) {
-        case 1:
-            return integer(row.integer(column));
-        case 2:
-            return real(row.real(column));
-        case 5:
-            return none();
-        default:
-            return text(row.text(column));
-    }
 }
 
 void DelimitedFile::end_row() {
@@ -173,16 +153,9 @@ void DelimitedFile::end_row() {
     }
 }
 
-void DelimitedFile::row(std::initializer_list<std::string_view> words) {
-    for (const std::string_view word : words) {
-        text(word);
-    }
-    end_row();
-}
-
 void DelimitedFile::head(std::span<const ExportColumn> columns) {
     for (const ExportColumn& column : columns) {
-        text(column.name);
+        add(column.name);
     }
     end_row();
 }
@@ -205,7 +178,7 @@ void DelimitedFile::close() {
 void write_rows(Statement row, DelimitedFile& file) {
     while (row.step()) {
         for (int column = 0; column < row.columns(); ++column) {
-            file.value(row, column);
+            file.add(row.value(column));
         }
         file.end_row();
     }
@@ -236,13 +209,9 @@ void write_ticks(Database& database,
     TraceReader traces(database);
     for (const std::int64_t interval : {1, 2}) {
         for (const engine::TickRecord& tick : traces.stored(trial, interval)) {
-            file.text(session.subject);
-            file.text(session.label);
-            file.integer(session.number);
-            file.integer(number);
-            file.integer(interval);
+            file.add(session.subject, session.label, session.number, number, interval);
             for (const TraceColumn& column : trace_columns()) {
-                file.value(column.value(tick));
+                file.add(column.value(tick));
             }
             file.end_row();
         }
@@ -252,7 +221,7 @@ void write_ticks(Database& database,
 
 void write_codes(Database& database, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::csv);
-    file.row({"subject", "participant_code"});
+    file.row("subject", "participant_code");
     write_rows(database.prepare("SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN "
                                 "session USING (session_id) JOIN participant USING "
                                 "(participant_id) ORDER BY chosen.subject"),

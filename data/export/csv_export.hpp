@@ -2,15 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/statement.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 
@@ -35,23 +34,34 @@ public:
     DelimitedFile& operator=(const DelimitedFile&) = delete;
     ~DelimitedFile();
 
-    /// The next field of the row; none() leaves it empty (csv) or says n/a (tsv).
-    void text(std::string_view value);
-    void integer(std::int64_t value);
-    void real(double value);
-    void none();
-    void value(const TickValue& value);
-    /// Column `column` of a query's row.
-    void value(const Statement& row, int column);
+    /// The next fields of the row: texts, whole numbers, reals, bytes, which are texts, or any of
+    /// these in a variant. std::monostate leaves its field empty (csv) or says n/a (tsv).
+    template <class... Values>
+    void add(const Values&... values) {
+        (put(values), ...);
+    }
     void end_row();
-    /// A row of texts.
-    void row(std::initializer_list<std::string_view> words);
+    /// These, and the row ends.
+    template <class... Values>
+    void row(const Values&... values) {
+        add(values...);
+        end_row();
+    }
     /// The head: the columns' names.
     void head(std::span<const ExportColumn> columns);
     /// What was not closed is not whole.
     void close();
 
 private:
+    void put(std::string_view text);
+    void put(std::int64_t value);
+    void put(double value);
+    void put(std::span<const std::byte> bytes);
+    void put(std::monostate none);
+    template <class... T>
+    void put(const std::variant<T...>& value) {
+        std::visit([this](const auto& one) { put(one); }, value);
+    }
     void raw(std::string_view value);
     void flush();
     [[noreturn]] void fail() const;

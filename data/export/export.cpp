@@ -92,10 +92,6 @@ private:
 
 namespace fs = std::filesystem;
 
-std::string type_of(std::string_view type) {
-    return type == "integer" ? "BIGINT" : type == "real" ? "DOUBLE" : "VARCHAR";
-}
-
 void convert(DuckDb& duck,
              const std::string& from,
              const fs::path& to,
@@ -105,7 +101,9 @@ void convert(DuckDb& duck,
     std::string texts;
     for (const ExportColumn& column : kept) {
         const std::string& name = column.name;
-        const std::string type = type_of(column.type);
+        const std::string type = column.type == "integer" ? "BIGINT"
+                               : column.type == "real"    ? "DOUBLE"
+                                                          : "VARCHAR";
         columns += fmt::format("{}{}: {}", columns.empty() ? "" : ", ", quoted_text(name),
                                quoted_text(type));
         if (type == "VARCHAR") {  // no spreadsheet opens it: the mark of csv_field() goes again

@@ -1,4 +1,5 @@
-#include <functional>
+#include <array>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,37 +7,23 @@
 #include "engine/base/refuse.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
-#include "data/store/graded_answers.hpp"
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {
 
-/// How often a stimulus of one participant and condition was answered with 1.
-struct GradedCount {
-    std::string subject;
-    std::string study;
-    std::string kind;
-    std::string condition;
-    double stimulus = 0.0;
-    std::int64_t n = 0;
-    std::int64_t k = 0;
-};
-
-void each_count(Database& database, const std::function<void(const GradedCount&)>& take) {
+/// Subject, study, kind, condition, stimulus x, and how often it was answered with 1, of how many.
+Statement counts(Database& database) {
     Statement row = database.prepare(fmt::format(
-        "SELECT chosen.subject, chosen.label, session_kind, condition, stimulus, count(*), sum(k) "
+        "SELECT chosen.subject, chosen.label, session_kind, condition, stimulus, sum(k), count(*) "
         "FROM ({}) JOIN chosen USING (session_id) GROUP BY 1, 2, 3, 4, 5 ORDER "
         "BY 1, 2, 3, 4, 5",
         kGradedAnswers));
-    bool any = false;
-    while (row.step()) {
-        any = true;
-        take({row.text(0), row.text(1), row.text(2), row.text(3), row.real(4), row.integer(5),
-              row.integer(6)});
-    }
-    refuse_if(!any,
+    refuse_if(!row.step(),
               "no session has two-interval or yes-no answers on a graded stimulus: take another "
               "format, as csv or psychopy");
+    row.reset();
+    return row;
 }
 
 constexpr std::string_view kPsignifitText =
@@ -58,18 +45,8 @@ constexpr std::string_view kPsychopyText =
 void export_quickpsy(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;
     DelimitedFile file(folder / "quickpsy.csv", TableStyle::csv);
-    file.row({"participant", "study", "kind", "condition", "x", "k", "n"});
-    each_count(database, [&](const GradedCount& one) {
-        file.text(one.subject);
-        file.text(one.study);
-        file.text(one.kind);
-        file.text(one.condition);
-        file.real(one.stimulus);
-        file.integer(one.k);
-        file.integer(one.n);
-        file.end_row();
-    });
-    file.close();
+    file.row("participant", "study", "kind", "condition", "x", "k", "n");
+    write_rows(counts(database), file);
     write_whole(folder / "README.txt",
                 "k of n answers at x were yes, or the comparison. In R, with quickpsy 0.1.6:\n\n"
                 "d <- read.csv('quickpsy.csv')\n"
@@ -81,8 +58,8 @@ void export_quickpsy(const Exporting& to) {
 void export_psignifit(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;
     DelimitedFile index(folder / "index.csv", TableStyle::csv);
-    index.row({"file", "participant", "study", "kind", "condition"});
-    std::string before;
+    index.row("file", "participant", "study", "kind", "condition");
+    std::array<std::string, 4> before;
     std::string lines;
     std::string name;
     std::size_t files = 0;
@@ -92,17 +69,17 @@ void export_psignifit(const Exporting& to) {
         }
         lines.clear();
     };
-    each_count(database, [&](const GradedCount& one) {
-        const std::string whose =
-            fmt::format("{}\n{}\n{}\n{}", one.subject, one.study, one.kind, one.condition);
+    for (const Statement& row : counts(database)) {
+        const std::array whose{row.text(0), row.text(1), row.text(2), row.text(3)};
+        const auto& [subject, study, kind, condition] = whose;
         if (whose != before) {
             keep();
-            name = fmt::format("{}_{}_{}_{:03}.csv", one.subject, one.study, one.kind, ++files);
-            index.row({name, one.subject, one.study, one.kind, one.condition});
+            name = fmt::format("{}_{}_{}_{:03}.csv", subject, study, kind, ++files);
+            index.row(name, subject, study, kind, condition);
             before = whose;
         }
-        lines += fmt::format("{},{},{}\n", one.stimulus, one.k, one.n);
-    });
+        lines += fmt::format("{},{},{}\n", row.real(4), row.integer(5), row.integer(6));
+    }
     keep();
     index.close();
     write_whole(folder / "README.txt", kPsignifitText);
@@ -119,20 +96,17 @@ void export_psychopy(const Exporting& to) {
         DelimitedFile file(folder / fmt::format("{}_{}_ses-{:02}.csv", session.subject,
                                                 session.label, session.number),
                            TableStyle::csv);
-        file.row({"trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase", "planned_object",
-                  "friction", "curvature_per_m", "run_name", "stimulus", "key_resp.keys",
-                  "key_resp.corr", "key_resp.rt", "confidence", "counts", "participant", "session",
-                  "expName"});
+        file.row("trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase", "planned_object",
+                 "friction", "curvature_per_m", "run_name", "stimulus", "key_resp.keys",
+                 "key_resp.corr", "key_resp.rt", "confidence", "counts", "participant", "session",
+                 "expName");
         row.bind(1, session.id);
         for (std::int64_t n = 0; row.step(); ++n) {
-            file.integer(n);
+            file.add(n);
             for (int column = 0; column < row.columns(); ++column) {
-                file.value(row, column);
+                file.add(row.value(column));
             }
-            file.text(session.subject);
-            file.integer(session.number);
-            file.text(session.study);
-            file.end_row();
+            file.row(session.subject, session.number, session.study);
         }
         row.reset();
         file.close();

@@ -27,16 +27,6 @@ std::string label_of(std::string_view name, std::set<std::string>& taken) {
     return label;
 }
 
-std::map<std::int64_t, std::string> study_labels(Database& database) {
-    std::map<std::int64_t, std::string> labels;
-    std::set<std::string> taken;
-    for (const Statement& row :
-         database.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256")) {
-        labels[row.integer(0)] = label_of(row.text(1), taken);
-    }
-    return labels;
-}
-
 std::int64_t count(Database& database, std::string_view sql, const std::string& kind) {
     return database.first(sql, kind).integer(0);
 }
@@ -49,10 +39,14 @@ Selection::Selection(Database& database, const ExportOptions& options)
         "PRAGMA temp_store = MEMORY;CREATE TEMP TABLE chosen (session_id INTEGER PRIMARY KEY, "
         "subject TEXT, label TEXT, day INTEGER, session_number INTEGER);CREATE TEMP TABLE numbered "
         "(trial_id INTEGER PRIMARY KEY, trial_number INTEGER NOT NULL, zero_ns INTEGER, "
-        "trials_since_break INTEGER);CREATE TEMP TABLE happened (event_id INTEGER PRIMARY KEY, "
-        "since_ns INTEGER);");
+        "trials_since_break INTEGER, exclusion TEXT);CREATE TEMP TABLE happened (event_id INTEGER "
+        "PRIMARY KEY, since_ns INTEGER);");
     choose(options.kind);
-    number_sessions();
+    database_.execute(  // a gap would say that somebody had a session of another kind before
+        "UPDATE chosen SET session_number = n FROM (SELECT session.session_id, dense_rank() OVER "
+        "(PARTITION BY participant_id, study_name ORDER BY session.session_number) AS n FROM "
+        "chosen JOIN session USING (session_id) JOIN study USING (study_id)) AS ranked WHERE "
+        "ranked.session_id = chosen.session_id");
     name_subjects();
     database_.execute(
         "UPDATE chosen SET day = (SELECT CAST(julianday(date(mine.started_utc)) - "
@@ -67,9 +61,8 @@ Selection::Selection(Database& database, const ExportOptions& options)
         "3600000000000) OVER (PARTITION BY session_id ORDER BY trial_id) AS part FROM begun) "
         "INSERT INTO numbered SELECT trial_id, row_number() OVER (PARTITION BY part.session_id "
         "ORDER BY trial_id), first_value(started_ns) OVER (PARTITION BY part.session_id, part "
-        "ORDER "
-        "BY trial_id), trials_since_break FROM part JOIN analysis_trial USING (trial_id);INSERT "
-        "INTO happened SELECT event_id, since_ns FROM (SELECT event.event_id AS "
+        "ORDER BY trial_id), trials_since_break, exclusion FROM part JOIN analysis_trial USING "
+        "(trial_id);INSERT INTO happened SELECT event_id, since_ns FROM (SELECT event.event_id AS "
         "event_id, event.at_ns - zero_ns AS since_ns, row_number() OVER (PARTITION BY "
         "event.event_id ORDER BY abs(event.at_ns - begun.started_ns)) AS nearest FROM event JOIN "
         "chosen ON chosen.session_id = event.session_id JOIN trial AS begun ON begun.session_id = "
@@ -107,39 +100,30 @@ void Selection::choose(const std::string& kind) {
     }
 }
 
-/// A gap would say that somebody had a session of another kind before.
-void Selection::number_sessions() {
-    database_.execute(
-        "UPDATE chosen SET session_number = n FROM (SELECT session.session_id, dense_rank() OVER "
-        "(PARTITION BY participant_id, study_name ORDER BY session.session_number) AS n FROM "
-        "chosen JOIN session USING (session_id) JOIN study USING (study_id)) AS ranked WHERE "
-        "ranked.session_id = chosen.session_id");
-}
-
 void Selection::name_subjects() {
-    const auto labels = study_labels(database_);
+    std::map<std::int64_t, std::string> labels;
+    std::set<std::string> taken;
+    for (const Statement& study :
+         database_.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256")) {
+        labels[study.integer(0)] = label_of(study.text(1), taken);
+    }
     Statement session = database_.prepare(
         "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
         "study_title, participant.subject FROM chosen JOIN session USING (session_id) JOIN study "
         "USING (study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
         "protocol_sha256, chosen.session_number");
-    Statement set =
-        database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session_id = ?1");
-    while (session.step()) {
-        ChosenSession& one = sessions_.emplace_back();
-        one = {.id = session.integer(0),
-               .subject = fmt::format("sub-{:010}", session.integer(6)),
-               .label = labels.at(session.integer(1)),
-               .study = session.text(4),
-               .title = session.text(5),
-               .number = session.integer(2),
-               .rate_hz = session.real(3)};
-    }
+    sessions_ = session.all([&labels](const Statement& one) {
+        return ChosenSession{.id = one.integer(0),
+                             .subject = fmt::format("sub-{:010}", one.integer(6)),
+                             .label = labels.at(one.integer(1)),
+                             .study = one.text(4),
+                             .title = one.text(5),
+                             .number = one.integer(2),
+                             .rate_hz = one.real(3)};
+    });
     for (const ChosenSession& one : sessions_) {
-        set.bind(1, one.id)
-            .bind(2, std::string_view(one.subject))
-            .bind(3, std::string_view(one.label))
-            .run();
+        database_.run("UPDATE chosen SET subject = ?2, label = ?3 WHERE session_id = ?1", one.id,
+                      one.subject, one.label);
     }
 }
 

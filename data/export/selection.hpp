@@ -48,7 +48,6 @@ public:
 
 private:
     void choose(const std::string& kind);
-    void number_sessions();
     void name_subjects();
 
     Database& database_;

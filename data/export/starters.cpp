@@ -96,19 +96,15 @@ std::string account_of(const std::filesystem::path& folder) {
     return begin == std::string::npos ? std::string() : remarked(text.substr(begin + 2));
 }
 
-void require_export(const std::filesystem::path& folder) {
+}  // namespace
+
+std::vector<std::filesystem::path> write_starters(const std::filesystem::path& folder) {
     for (const char* name : {"columns.csv", "trials.csv"}) {
         refuse_if(!std::filesystem::exists(folder / name),
                   "{} is no export: it has no {}; make one with palpate export FILE --format csv "
                   "-o FOLDER",
                   folder.string(), name);
     }
-}
-
-}  // namespace
-
-std::vector<std::filesystem::path> write_starters(const std::filesystem::path& folder) {
-    require_export(folder);
     const Levels levels = levels_of(folder);
     const std::string about =
         "# Loads the export beside it, with types and levels set. Written by palpate analysis "

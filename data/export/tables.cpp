@@ -48,9 +48,7 @@ const std::vector<ExportColumn> kComputed{
     {"trial_device", "text", "", "kind of device on which it was felt", kind_of("trial.device")},
     {"device_words", "text", "", "device as given", "session.device", true},
     {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
-     "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
-     " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked', "
-     "trial.invalid_reason)"},
+     "numbered.exclusion"},
     {"trials_since_break", "integer", "1",
      "attempts before it since the session's begin or last break; empty: it has not ended",
      "numbered.trials_since_break"},
@@ -118,8 +116,7 @@ std::vector<ExportColumn> columns_of(const std::string& words) {
         const std::size_t equals = word.find('=');
         if (word.ends_with(".*")) {
             const std::string name = word.substr(0, word.size() - 2);
-            const auto table = std::ranges::find(catalogue(), name, &TableManual::name);
-            for (const ColumnManual& column : table->columns) {
+            for (const ColumnManual& column : find_table(name)->columns) {
                 const bool there =
                     std::ranges::find(columns, column.name, &ExportColumn::name) != columns.end();
                 if (column.seen != Visibility::file && !there) {

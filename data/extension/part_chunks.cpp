@@ -186,31 +186,30 @@ private:
         each(reader, ColumnId::lateness_ns, bit(C::lateness_us),
              [](TickRecord& t, std::int64_t v) { t.lateness_us = lateness_us(v); });
         if (wants(bit(C::lateness_us)) && (reader.chunk().parts & part_lateness) != 0) {
-            exact_.resize(ticks_.size());
-            reader.read_exact(exact_);
-            for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                ticks_[i].lateness_us = exact_[i].lateness_us;
-            }
+            load_exact(reader, &TickRecord::lateness_us);
+        }
+    }
+
+    template <class Field>
+    void load_exact(const ChunkReader& reader, Field TickRecord::*field) {
+        exact_.resize(ticks_.size());
+        reader.read_exact(exact_);
+        for (std::size_t i = 0; i < ticks_.size(); ++i) {
+            ticks_[i].*field = exact_[i].*field;
         }
     }
 
     /// HIP as the device had it, which is what the fixed-point columns say to 0.1 um.
     void load_hip(ChunkReader& reader) {
         if ((reader.chunk().parts & part_hip) != 0) {
-            exact_.resize(ticks_.size());
-            reader.read_exact(exact_);
-            for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                ticks_[i].hip = exact_[i].hip;
-            }
+            load_exact(reader, &TickRecord::hip);
         } else if (!hip_ && !in_space_) {
             throw TraceError(
                 "HIP follows from the encoder counts by a calibration that the session has not");
         } else if (hip_) {
             counts_.resize(ticks_.size());
             hips_.resize(ticks_.size());
-            for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                counts_[i] = ticks_[i].counts;
-            }
+            std::ranges::transform(ticks_, counts_.begin(), &TickRecord::counts);
             hip_->at(counts_, hips_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
                 ticks_[i].hip = engine::Vec3(hips_[i], 0.0);

@@ -14,7 +14,6 @@
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/analysed.hpp"
-#include "data/store/graded_answers.hpp"
 #include "data/store/stored_progress.hpp"
 
 namespace palpate::data {

@@ -7,7 +7,7 @@
 #include "protocols/file/keys.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
-#include "data/store/graded_answers.hpp"
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {

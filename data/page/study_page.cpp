@@ -8,7 +8,7 @@
 #include "engine/base/refuse.hpp"
 #include "data/fit/stored_answers.hpp"
 #include "data/page/sections.hpp"
-#include "data/store/graded_answers.hpp"
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {

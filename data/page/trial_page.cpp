@@ -45,7 +45,7 @@ std::string measure_words(std::string name) {
 /// Measures of the view, in its order: what the hand did.
 std::vector<std::string> measures() {
     std::vector<std::string> names;
-    const auto view = std::ranges::find(catalogue(), "exploration", &TableManual::name);
+    const TableManual* view = find_table("exploration");
     bool begun = false;
     for (const ColumnManual& column : view->columns) {
         begun = begun || column.name == "done_s";

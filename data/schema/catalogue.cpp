@@ -202,14 +202,7 @@ std::vector<TableManual> statements_of(std::string_view sql) {
 
 /// A view's column that is another's has its meaning, words and readers.
 void say_what_is_repeated(const std::vector<TableManual>& manual, ColumnManual& column) {
-    const std::size_t dot = column.source.find('.');
-    const auto table = std::ranges::find(manual, column.source.substr(0, dot), &TableManual::name);
-    if (dot == std::string::npos || table == manual.end()) {
-        return;
-    }
-    const auto source =
-        std::ranges::find(table->columns, column.source.substr(dot + 1), &ColumnManual::name);
-    if (source != table->columns.end()) {
+    if (const ColumnManual* source = find_column(column.source, manual)) {
         column.type = source->type;
         column.seen = source->seen;
         column.levels = source->levels;
@@ -257,13 +250,6 @@ void put_measures(std::string& sql, std::string_view named, int protocols::Measu
     const std::string mark =
         fmt::format("    -- (measures() of protocols/session/trial_meter.cpp, by {})\n", named);
     sql.replace(sql.find(mark), mark.size(), columns);
-}
-
-std::string all_tables() {
-    std::string sql(tables_text());
-    put_measures(sql, "in_trial", &protocols::Measure::in_trial);
-    put_measures(sql, "in_interval", &protocols::Measure::in_interval);
-    return sql + fault_tick_table();
 }
 
 /// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not
@@ -328,7 +314,12 @@ std::vector<TableManual> schema_manual(std::string_view sql) {
 }
 
 std::string_view schema_sql() {
-    static const std::string all = fmt::format("\n{}{}", all_tables(), views_sql());
+    static const std::string all = [] {
+        std::string tables(tables_text());
+        put_measures(tables, "in_trial", &protocols::Measure::in_trial);
+        put_measures(tables, "in_interval", &protocols::Measure::in_interval);
+        return fmt::format("\n{}{}{}", tables, fault_tick_table(), views_sql());
+    }();
     return all;
 }
 
@@ -340,21 +331,28 @@ const std::vector<TableManual>& catalogue() {
 std::vector<std::string> tables_with(std::string_view column) {
     std::vector<std::string> names;
     for (const TableManual& table : catalogue()) {
-        if (!table.view && find_column(fmt::format("{}.{}", table.name, column)) != nullptr) {
+        if (!table.view && table.find(column) != nullptr) {
             names.push_back(table.name);
         }
     }
     return names;
 }
 
-const ColumnManual* find_column(std::string_view name) {
+const ColumnManual* TableManual::find(std::string_view column) const {
+    const auto at = std::ranges::find(columns, column, &ColumnManual::name);
+    return at == columns.end() ? nullptr : &*at;
+}
+
+const TableManual* find_table(std::string_view name, const std::vector<TableManual>& among) {
+    const auto at = std::ranges::find(among, name, &TableManual::name);
+    return at == among.end() ? nullptr : &*at;
+}
+
+const ColumnManual* find_column(std::string_view name, const std::vector<TableManual>& among) {
     const std::size_t dot = name.find('.');
-    const auto table = std::ranges::find(catalogue(), name.substr(0, dot), &TableManual::name);
-    if (table == catalogue().end() || dot == std::string_view::npos) {
-        return nullptr;
-    }
-    const auto at = std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
-    return at == table->columns.end() ? nullptr : &*at;
+    const TableManual* table = find_table(name.substr(0, dot), among);
+    return table == nullptr || dot == std::string_view::npos ? nullptr
+                                                             : table->find(name.substr(dot + 1));
 }
 
 std::string_view views_sql() {

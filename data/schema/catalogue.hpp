@@ -33,6 +33,9 @@ struct TableManual {
     bool view = false;
     Visibility seen = Visibility::everybody;
     std::vector<ColumnManual> columns;
+
+    /// @return nothing if it has none of that name
+    [[nodiscard]] const ColumnManual* find(std::string_view column) const;
 };
 
 /// What a schema says of itself, from the comments in its CREATE TABLE and CREATE VIEW statements:
@@ -60,12 +63,17 @@ inline constexpr std::int64_t kSchemaVersion = 1;
 /// The catalogue of this program, read from schema_sql().
 [[nodiscard]] const std::vector<TableManual>& catalogue();
 
+/// @return nothing if there is none of that name
+[[nodiscard]] const TableManual* find_table(std::string_view name,
+                                            const std::vector<TableManual>& among = catalogue());
+
 /// Tables of the catalogue that have this column: whatever else a file has is somebody's own.
 [[nodiscard]] std::vector<std::string> tables_with(std::string_view column);
 
 /// @param name  "table.column"
 /// @return nothing if the catalogue does not have it
-[[nodiscard]] const ColumnManual* find_column(std::string_view name);
+[[nodiscard]] const ColumnManual* find_column(std::string_view name,
+                                              const std::vector<TableManual>& among = catalogue());
 
 /// The views of the catalogue: part of schema_sql().
 [[nodiscard]] std::string_view views_sql();

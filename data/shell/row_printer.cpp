@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -22,11 +23,8 @@ constexpr std::size_t kHeldBytes = 16'000'000;  ///< or so much of rows
 constexpr std::size_t kWidestCell = 1000;       ///< characters of a table's cell
 
 std::string hexadecimal(const std::string& bytes) {
-    std::string text;
-    for (const char c : bytes) {
-        text += fmt::format("{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    }
-    return text;
+    const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
+    return fmt::format("{:02X}", fmt::join(first, first + bytes.size(), ""));
 }
 
 std::string bare(const SqlValue& cell) {
@@ -86,16 +84,6 @@ std::string json_value(const SqlValue& cell) {
     return is_number(cell) ? bare(cell) : json_string(bare(cell));
 }
 
-template <class Fields, class Text>
-std::string joined(const Fields& fields, const Text& text) {
-    std::string line;
-    for (const auto& field : fields) {
-        line += line.empty() && &field == &fields.front() ? "" : ",";
-        line += text(field);
-    }
-    return line;
-}
-
 /// An object's keys differ: of columns of one name the second is NAME_2.
 std::vector<std::string> keys_of(std::vector<std::string> names) {
     const std::set<std::string> asked(names.begin(), names.end());
@@ -118,15 +106,14 @@ RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string
       format_(format),
       names_(format == RowFormat::json ? keys_of(std::move(names)) : std::move(names)) {
     if (format_ == RowFormat::csv) {
-        fmt::print(out_, "{}\n",
-                   joined(names_, [](const std::string& name) { return csv_field(name); }));
+        fmt::print(out_, "{}\n", fmt::join(std::views::transform(names_, csv_field), ","));
     }
 }
 
 void RowPrinter::row(std::vector<SqlValue> cells) {
     ++rows_;
     if (format_ == RowFormat::csv) {
-        const std::string line = joined(cells, csv_of);
+        const auto line = fmt::format("{}", fmt::join(std::views::transform(cells, csv_of), ","));
         const bool looked_at =
             isatty(fileno(out_)) != 0;  // a program gets every byte, a person none that acts
         fmt::print(out_, "{}\n", looked_at ? plain(line, Lines::kept) : line);

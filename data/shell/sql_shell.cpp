@@ -102,16 +102,15 @@ std::vector<TableManual> manual_of(Database& database) {
         sql += row.text(0) + ";\n";
     }
     std::vector<TableManual> tables = schema_manual(sql + std::string(sample_declaration()));
-    const std::vector<TableManual> ours = schema_manual(schema_sql());
     for (TableManual& table : tables) {
-        const auto known = std::ranges::find(ours, table.name, &TableManual::name);
-        if (known == ours.end()) {
+        const TableManual* known = find_table(table.name);
+        if (known == nullptr) {
             continue;
         }
         table.meaning = table.meaning.empty() ? known->meaning : table.meaning;
         for (ColumnManual& column : table.columns) {
-            const auto said = std::ranges::find(known->columns, column.name, &ColumnManual::name);
-            if (column.meaning.empty() && said != known->columns.end()) {
+            const ColumnManual* said = known->find(column.name);
+            if (column.meaning.empty() && said != nullptr) {
                 column.meaning = said->meaning;
             }
         }
@@ -292,16 +291,13 @@ bool SqlShell::word(std::string_view line) {
     const std::size_t space = std::min(line.find(' '), line.size());
     const std::string_view name = line.substr(0, space);
     const std::string_view rest = trimmed(line.substr(space), kSpace);
-    if (name == ".quit" || name == ".exit") {
-        quit_ = true;
-        return true;
-    }
+    quit_ = name == ".quit" || name == ".exit";
     if (name == ".help") {
         fmt::print(out_, "{}", kHelp);
-        return true;
-    }
-    if (name == ".tables") {
+    } else if (name == ".tables") {
         tables();
+    }
+    if (quit_ || name == ".help" || name == ".tables") {
         return true;
     }
     if (name == ".columns") {
@@ -323,9 +319,9 @@ void SqlShell::tables() {
     for (const Statement& row :
          database_.prepare("SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') "
                            "UNION ALL SELECT 'sample', 'virtual table' ORDER BY type, name")) {
-        const auto said = std::ranges::find(manual, row.text(0), &TableManual::name);
+        const TableManual* said = find_table(row.text(0), manual);
         print_row(printer, format_, {row.text(0), row.text(1)},
-                  said == manual.end() ? std::string() : said->meaning);
+                  said == nullptr ? std::string() : said->meaning);
     }
     printer.end();
 }

@@ -17,23 +17,7 @@ constexpr std::string_view kNotOfSession[] = {
     "seal_events", "newest_seal", "session_number", "run_code", "run_number", "withdrawn_reason"};
 constexpr std::string_view kNotOfTrial[] = {"event_id", "session_id", "seal", "trial_id"};
 
-/// "table;column:type:length:value;..." of the row that `row` is at.
-std::string line_of(std::string_view table,
-                    const Statement& row,
-                    std::span<const std::string_view> without) {
-    std::string text(table);
-    for (int i = 0; i < row.columns(); ++i) {
-        if (row.null(i) || std::ranges::find(without, row.name(i)) != without.end()) {
-            continue;
-        }
-        const std::string value = row.type(i) == 2 ? fmt::format("{}", row.real(i))
-                                : row.type(i) == 4 ? sha256_hex(row.blob(i))
-                                                   : row.text(i);
-        text += fmt::format(";{}:{}:{}:{}", row.name(i), row.type(i), value.size(), value);
-    }
-    return text + '\n';
-}
-
+/// "table;column:type:length:value;..." of each row.
 std::string lines_of(Database& database,
                      std::string_view table,
                      const std::string& sql,
@@ -41,7 +25,17 @@ std::string lines_of(Database& database,
                      std::span<const std::string_view> without) {
     std::string text;
     for (const Statement& row : database.prepare(sql, id)) {
-        text += line_of(table, row, without);
+        text += table;
+        for (int i = 0; i < row.columns(); ++i) {
+            if (row.null(i) || std::ranges::find(without, row.name(i)) != without.end()) {
+                continue;
+            }
+            const std::string value = row.type(i) == 2 ? fmt::format("{}", row.real(i))
+                                    : row.type(i) == 4 ? sha256_hex(row.blob(i))
+                                                       : row.text(i);
+            text += fmt::format(";{}:{}:{}:{}", row.name(i), row.type(i), value.size(), value);
+        }
+        text += '\n';
     }
     return text;
 }
@@ -73,17 +67,11 @@ const std::vector<std::string>& tables_of_trials() {
     return names;
 }
 
-std::int64_t events_now(Database& database, std::int64_t session) {
-    return database.first("SELECT count(*) FROM event WHERE session_id = ?1", session).integer(0);
-}
-
 /// The link of a trial whose row says how many events came before.
 std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
     std::string text = before + '\n';
-    // A mark came later: at the end of the trial its answer counted.
-    const bool marked = mark_reason(database, trial).has_value();
     std::vector<std::string_view> without(std::begin(kNotOfTrial), std::end(kNotOfTrial));
-    if (marked) {
+    if (mark_reason(database, trial)) {  // later: at the end of the trial its answer counted
         without.emplace_back("invalid_reason");
     }
     text += lines_of(database, "trial", "SELECT * FROM trial WHERE trial_id = ?1", trial, without);
@@ -143,8 +131,10 @@ void keep_events(Database& database,
                  std::string_view table,
                  std::int64_t row,
                  std::int64_t session) {
-    database.run(fmt::format("UPDATE {0} SET seal_events = ?2 WHERE {0}_id = ?1", table), row,
-                 events_now(database, session));
+    database.run(fmt::format("UPDATE {0} SET seal_events = (SELECT count(*) FROM event WHERE "
+                             "session_id = ?2) WHERE {0}_id = ?1",
+                             table),
+                 row, session);
 }
 
 /// Follows the links of a session in their order, and notes where one does not follow, or makes all

@@ -14,16 +14,18 @@ constexpr const char* kFrictions =
     "FROM plan WHERE session_id = ?1 AND phase = 'main' GROUP BY block HAVING count(DISTINCT "
     "friction) > 1) GROUP BY friction ORDER BY min(plan_position)";
 
-std::vector<std::string> order_of(Database& database, const char* sql, std::int64_t session) {
-    return texts(database.prepare(sql, session));
-}
+}  // namespace
 
 LevelOrders orders_of(Database& database,
-                      const char* sql,
+                      Balanced what,
                       std::string_view study,
                       const protocols::SessionKey& key,
                       std::string_view kind) {
     const Snapshot view(database);
+    const auto order_of = [&](std::int64_t session) {
+        return texts(
+            database.prepare(what == Balanced::pictures ? kPictures : kFrictions, session));
+    };
     LevelOrders orders;
     Statement other = database.prepare(
         "SELECT session.session_id, participant_code, EXISTS (SELECT 1 FROM trial WHERE "
@@ -37,7 +39,7 @@ LevelOrders orders_of(Database& database,
         const bool begun = other.integer(2) != 0;
         if (other.text(1) != last && (begun || SessionLock::held(database, other.integer(0)))) {
             last = other.text(1);
-            orders.others.push_back(order_of(database, sql, other.integer(0)));
+            orders.others.push_back(order_of(other.integer(0)));
         }
     }
     Statement own = database.prepare(
@@ -48,25 +50,9 @@ LevelOrders orders_of(Database& database,
         "?3 DESC, session_number, session.session_id LIMIT 1",
         study, key.participant, key.session, kind);
     if (own.step()) {
-        orders.own = order_of(database, sql, own.integer(0));
+        orders.own = order_of(own.integer(0));
     }
     return orders;
-}
-
-}  // namespace
-
-LevelOrders picture_orders(Database& database,
-                           std::string_view study,
-                           const protocols::SessionKey& key,
-                           std::string_view kind) {
-    return orders_of(database, kPictures, study, key, kind);
-}
-
-LevelOrders friction_orders(Database& database,
-                            std::string_view study,
-                            const protocols::SessionKey& key,
-                            std::string_view kind) {
-    return orders_of(database, kFrictions, study, key, kind);
 }
 
 }  // namespace palpate::data

@@ -15,7 +15,11 @@ struct LevelOrders {
     std::vector<std::string> own;                  ///< empty: the participant has no session yet
 };
 
-/// Who already ran the study (by the protocol's id) with which order of the pictures.
+/// What is counterbalanced: the row of the pictures; or the frictions of the first main blocks, one
+/// round of them, which a session whose blocks mix frictions has not: its entry is empty.
+enum class Balanced : std::uint8_t { pictures, frictions };
+
+/// Who already ran the study (by the protocol's id) with which order.
 ///
 /// `others` counts each participant with a real session once, by the first of these; what is
 /// simulated, a pilot or withdrawn leaves the balance alone. `own` is the order of the session
@@ -24,16 +28,10 @@ struct LevelOrders {
 /// counts from its first trial on, and as long as a program runs it: whoever is at the welcome
 /// screen has taken the row, whoever left there has not.
 /// @param kind  of the session that asks, as to_string(RunKind)
-[[nodiscard]] LevelOrders picture_orders(Database& database,
-                                         std::string_view study,
-                                         const protocols::SessionKey& key,
-                                         std::string_view kind = "real");
-
-/// The same of the frictions of the first main blocks, one round of them. A session whose blocks
-/// mix frictions has no such order: its entry is empty.
-[[nodiscard]] LevelOrders friction_orders(Database& database,
-                                          std::string_view study,
-                                          const protocols::SessionKey& key,
-                                          std::string_view kind = "real");
+[[nodiscard]] LevelOrders orders_of(Database& database,
+                                    Balanced what,
+                                    std::string_view study,
+                                    const protocols::SessionKey& key,
+                                    std::string_view kind = "real");
 
 }  // namespace palpate::data

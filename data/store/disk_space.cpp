@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -80,30 +79,6 @@ bool has_log(const std::string& name) {
     std::error_code unknown;
     const auto size = std::filesystem::file_size(log_of(name), unknown);
     return !unknown && size > 0;
-}
-
-std::int64_t database_byte(const std::string& name) {
-    struct stat status {};
-    return stat(name.c_str(), &status) != 0
-             ? kDatabaseBytes
-             : kDatabaseBytes + static_cast<std::int64_t>(status.st_ino % kDatabaseBytes);
-}
-
-bool log_is_anothers(const std::string& name) {
-    const int log = open(log_of(name).c_str(), O_RDONLY | O_CLOEXEC);
-    const auto locked = [log](std::int64_t first, std::int64_t length) {
-        struct flock bytes {};
-        bytes.l_type = F_WRLCK;
-        bytes.l_whence = SEEK_SET;
-        bytes.l_start = first;
-        bytes.l_len = length;
-        return fcntl(log, F_OFD_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
-    };
-    const bool anothers = log >= 0 && locked(0, kDatabaseBytes) && !locked(database_byte(name), 1);
-    if (log >= 0) {
-        close(log);
-    }
-    return anothers;
 }
 
 }  // namespace palpate::data

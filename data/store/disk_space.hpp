@@ -37,13 +37,4 @@ void require_space(const std::string& file,
 /// finds no room for the log's index, nobody can begin to: it can be read as it is.
 [[nodiscard]] bool has_log(const std::string& name);
 
-/// Bytes of a log, from here on one for each database: whoever runs a session holds that of its own
-/// (SessionLock), beside one for the session.
-inline constexpr std::int64_t kDatabaseBytes = std::int64_t{1} << 62U;
-[[nodiscard]] std::int64_t database_byte(const std::string& name);
-
-/// A session runs on the log, and on another database than this one, which was put in its place:
-/// SQLite would write what that session recorded into it.
-[[nodiscard]] bool log_is_anothers(const std::string& name);
-
 }  // namespace palpate::data

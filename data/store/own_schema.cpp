@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <ranges>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -175,11 +176,8 @@ void compare_theirs(const Schema& stored, std::vector<SchemaDifference>& found) 
 
 /// "view analysis_trial, trigger t"
 std::string names_of(const std::vector<SchemaDifference>& differences) {
-    std::string all;
-    for (const SchemaDifference& one : differences) {
-        all += (all.empty() ? "" : ", ") + one.name;
-    }
-    return all;
+    const auto names = std::views::transform(differences, &SchemaDifference::name);
+    return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// A table of somebody's that refers to ours by what is no key: SQLite refuses every change of ours

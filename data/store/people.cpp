@@ -62,21 +62,6 @@ protocols::Event noted_consent(bool given) {
     return noted("consent", given ? "yes" : "no");
 }
 
-void note_details(Database& database,
-                  std::string_view code,
-                  const ParticipantNotes& notes,
-                  std::string_view operator_name,
-                  std::string_view utc) {
-    Statement detail = database.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
-        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
-        "excluded.value, noted_utc = excluded.noted_utc");
-    for (const auto& [key, value] : notes.details) {
-        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, utc).run();
-        tell_sessions(database, code, noted(key), operator_name, utc);
-    }
-}
-
 /// A trial that somebody wants to mark, or not any more.
 struct Markable {
     std::string outcome;
@@ -205,20 +190,28 @@ void note_participant(Database& database,
     Transaction all(database);
     participant_row(database, code, own_secret(database));
     const std::string utc = note_time(database, code);
+    const auto note = [&](std::string_view sql, auto value, const protocols::Event& event) {
+        database.run(sql, code, value, utc);
+        tell_sessions(database, code, event, operator_name, utc);
+    };
     if (notes.handedness) {
-        database.run(
+        note(
             "UPDATE participant SET handedness = ?2, handedness_utc = ?3 WHERE participant_code = "
             "?1",
-            code, *notes.handedness, utc);
-        tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name, utc);
+            *notes.handedness, noted_handedness(*notes.handedness));
     }
     if (notes.consent) {
-        database.run(
-            "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1",
-            code, std::int64_t{*notes.consent ? 1 : 0}, utc);
-        tell_sessions(database, code, noted_consent(*notes.consent), operator_name, utc);
+        note("UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1",
+             *notes.consent, noted_consent(*notes.consent));
     }
-    note_details(database, code, notes, operator_name, utc);
+    Statement detail = database.prepare(
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
+        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
+        "excluded.value, noted_utc = excluded.noted_utc");
+    for (const auto& [key, value] : notes.details) {
+        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, utc).run();
+        tell_sessions(database, code, noted(key), operator_name, utc);
+    }
     all.commit();
 }
 
@@ -302,10 +295,8 @@ MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& wh
     const Markable found = markable(database, trial);
     refuse_if(!found.answered, "{}: trial {} is {} and has no answer that could count",
               database.file(), trial, found.outcome);
-    if (found.invalid) {
-        throw std::invalid_argument(fmt::format("{}: trial {} does not count already: {}",
-                                                database.file(), trial, *found.invalid));
-    }
+    refuse_if(found.invalid.has_value(), "{}: trial {} does not count already: {}", database.file(),
+              trial, found.invalid.value_or(""));
     refuse_running(database, trial, found.session);
     MarkResult marked{.finished = found.finished,
                       .head = add_mark(database, found.session, trial, why)};
@@ -321,10 +312,8 @@ MarkResult undo_mark(Database& database, std::int64_t trial, const Reason& why) 
               found.invalid    ? "does not count by a rule: " + *found.invalid
               : found.answered ? "counts"
                                : "has no answer");
-    if (const std::string kept = came_of_mark(database, trial); !kept.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, kept));
-    }
+    const std::string kept = came_of_mark(database, trial);
+    refuse_if(!kept.empty(), "{}: the mark of trial {} stays: {}", database.file(), trial, kept);
     refuse_running(database, trial, found.session);
     MarkResult undone{.finished = found.finished,
                       .head = add_mark(database, found.session, trial, why, true)};

@@ -101,14 +101,6 @@ Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
     return trace;
 }
 
-Ticks stored_ticks(Database& database, std::int64_t trial) {
-    return TraceReader(database).stored(trial);
-}
-
-Ticks read_trace(Database& database, std::int64_t trial) {
-    return TraceReader(database).read(trial);
-}
-
 StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t interval) {
     StoredChunks all;
     for (const Statement& row : database.prepare(kChunks, trial, interval)) {

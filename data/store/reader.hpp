@@ -46,10 +46,6 @@ private:
     std::map<std::int64_t, SessionTraces> sessions_;
 };
 
-/// TraceReader::stored() and read() of one trial.
-[[nodiscard]] Ticks stored_ticks(Database& database, std::int64_t trial);
-[[nodiscard]] Ticks read_trace(Database& database, std::int64_t trial);
-
 /// The chunks of one interval as they lie in the file, by first_tick.
 struct StoredChunks {
     std::vector<ChunkView> views;  ///< of `data`: move this, do not copy it

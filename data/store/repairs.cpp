@@ -16,18 +16,13 @@
 namespace palpate::data {
 namespace {
 
-/// "P03's session 1"
-std::string called(Database& database, std::int64_t session) {
+[[noreturn]] void refuse(Database& database, std::int64_t session, std::string_view why) {
     Statement row = database.first(
         "SELECT participant_code, session_number FROM session JOIN participant USING "
         "(participant_id) WHERE session_id = ?1",
         session);
-    return fmt::format("session {} of {}", row.integer(1), row.text(0));
-}
-
-[[noreturn]] void refuse(Database& database, std::int64_t session, std::string_view why) {
     throw std::invalid_argument(
-        fmt::format("{}: {} {}", database.file(), called(database, session), why));
+        fmt::format("{}: session {} of {} {}", database.file(), row.integer(1), row.text(0), why));
 }
 
 void refuse_running(Database& database, std::int64_t session) {
@@ -98,33 +93,26 @@ void require_movable(Database& database,
     refuse_running(database, session);
 }
 
-/// The events that noted a score lose it; all later links are made again.
-void destroy_scores(Database& database, std::int64_t session, const Reason& why) {
+/// The events that noted a score lose it; all later links are made again. Of a session of which
+/// everything goes, and that was run as somebody else, nothing that says so is left: it is theirs.
+void destroy_in(Database& database, std::int64_t session, bool everything, const Reason& why) {
     const std::string before = chain_head(database, session);
-    database.run(
-        "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
-        "'participant' AND key = 'handedness'",
-        session);
-    chain_anew(database, session);
+    if (everything) {
+        clear_session(database, session);
+        database.run(
+            "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = "
+            "NULL, newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, "
+            "withdrawn_reason = ?2 WHERE session_id = ?1",
+            session, why.text);
+    } else {
+        database.run(
+            "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
+            "'participant' AND key = 'handedness'",
+            session);
+        chain_anew(database, session);
+    }
     add_event(database, session,
-              {.kind = protocols::EventKind::participant,
-               .text = std::string(why.text),
-               .key = std::string(kDestroyed),
-               .value = before},
-              why.operator_name);
-}
-
-/// Where it was run as somebody else, nothing that says so is left: it is theirs.
-void destroy_session(Database& database, std::int64_t session, const Reason& why) {
-    const std::string before = chain_head(database, session);
-    clear_session(database, session);
-    database.run(
-        "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = NULL, "
-        "newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, withdrawn_reason "
-        "= ?2 WHERE session_id = ?1",
-        session, why.text);
-    add_event(database, session,
-              {.kind = protocols::EventKind::mark,
+              {.kind = everything ? protocols::EventKind::mark : protocols::EventKind::participant,
                .text = std::string(why.text),
                .key = std::string(kDestroyed),
                .value = before},
@@ -220,12 +208,11 @@ void destroy_participant(Database& database,
                          std::string_view code,
                          Destroy what,
                          const Reason& why) {
-    if (const std::string theirs = ordered_elsewhere(database.connection()); !theirs.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: {} is ordered by a rule of another program, so that the file cannot "
-                        "be written anew without what is destroyed: drop it, and try again",
-                        database.file(), theirs));
-    }
+    const std::string theirs = ordered_elsewhere(database.connection());
+    refuse_if(!theirs.empty(),
+              "{}: {} is ordered by a rule of another program, so that the file cannot be written "
+              "anew without what is destroyed: drop it, and try again",
+              database.file(), theirs);
     {
         Transaction all(database);
         database.execute("PRAGMA defer_foreign_keys = ON");
@@ -233,10 +220,9 @@ void destroy_participant(Database& database,
         const bool everything = what == Destroy::everything;
         destroy_notes(database, code, everything);
         for (const SessionRow& session : sessions) {
-            if (is_destroyed(database, session.id)) {
-                continue;
+            if (!is_destroyed(database, session.id)) {
+                destroy_in(database, session.id, everything, why);
             }
-            (everything ? destroy_session : destroy_scores)(database, session.id, why);
         }
         all.commit();
     }

@@ -11,7 +11,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/store/database.hpp"
-#include "data/store/disk_space.hpp"
+#include "data/store/session_lock.hpp"
 
 // What becomes of a file that somebody deletes while it is in use.
 namespace palpate::data {
@@ -76,7 +76,7 @@ void Database::require_log() {
         sqlite3_sleep(kPauseMs);
     }
     refuse_if<StoreError>(
-        log_is_anothers(name),
+        SessionLock::held_elsewhere(name),
         "{0}: the log beside it, {0}-wal, is of another database, which a session records in: "
         "this one, put in its place, is neither read nor written; move it away",
         connection_.file);

@@ -11,12 +11,11 @@
 namespace palpate::data {
 
 bool Row::has(std::string_view column) const {
-    const auto table = std::ranges::find(catalogue(), table_, &TableManual::name);
-    return table != catalogue().end() &&
-           std::ranges::find(table->columns, column, &ColumnManual::name) != table->columns.end();
+    const TableManual* table = find_table(table_);
+    return table != nullptr && table->find(column) != nullptr;
 }
 
-Row& Row::add(std::string_view column, Value value) {
+Row& Row::add(std::string_view column, ColumnValue value) {
     refuse_if<std::logic_error>(!has(column), "the catalogue has no column {}.{}", table_, column);
     values_.emplace_back(column, std::move(value));
     return *this;
@@ -25,16 +24,7 @@ Row& Row::add(std::string_view column, Value value) {
 void Row::bind(Statement& statement) const {
     int parameter = 0;
     for (const auto& [name, value] : values_) {
-        ++parameter;
-        if (const auto* whole = std::get_if<std::int64_t>(&value)) {
-            statement.bind(parameter, *whole);
-        } else if (const auto* real = std::get_if<double>(&value)) {
-            statement.bind(parameter, *real);
-        } else if (const auto* text = std::get_if<std::string>(&value)) {
-            statement.bind(parameter, std::string_view(*text));
-        } else if (const auto* bytes = std::get_if<std::span<const std::byte>>(&value)) {
-            statement.bind(parameter, *bytes);
-        }  // what is not bound is NULL
+        statement.bind(++parameter, value);
     }
 }
 

@@ -20,9 +20,6 @@ namespace palpate::data {
 /// the catalogue does not have, StoreError where SQLite refuses.
 class Row {
 public:
-    using Value =
-        std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
-
     /// @param table  outlives this
     explicit Row(std::string_view table) : table_(table) {}
 
@@ -61,16 +58,16 @@ public:
 
     [[nodiscard]] const std::string& table() const noexcept { return table_; }
     /// Columns and what was set, in that order: what verify holds a stored row against.
-    [[nodiscard]] const std::vector<std::pair<std::string, Value>>& values() const noexcept {
+    [[nodiscard]] const std::vector<std::pair<std::string, ColumnValue>>& values() const noexcept {
         return values_;
     }
 
 private:
-    Row& add(std::string_view column, Value value);
+    Row& add(std::string_view column, ColumnValue value);
     void bind(Statement& statement) const;
 
     std::string table_;
-    std::vector<std::pair<std::string, Value>> values_;
+    std::vector<std::pair<std::string, ColumnValue>> values_;
 };
 
 }  // namespace palpate::data

@@ -35,10 +35,6 @@ std::vector<std::string> unused(Database& database) {
     return all;
 }
 
-bool has_secret(Database& database, std::string_view hex) {
-    return database.prepare("SELECT 1 FROM secret WHERE hex = ?1", hex).step();
-}
-
 /// With which the first session of people was drawn, or without one the first person's number: rows
 /// that somebody adds come later. None: nothing was drawn yet.
 std::optional<std::string> first_used(Database& database) {
@@ -106,7 +102,7 @@ std::string own_secret(Database& database) {
                           "it there to know whose the next orders are; take a copy made before",
                           database.file());
     const std::optional<std::string> used = first_used(database);
-    if (used && has_secret(database, *used)) {
+    if (used && database.prepare("SELECT 1 FROM secret WHERE hex = ?1", *used).step()) {
         return *used;
     }
     Statement row = database.first("SELECT min(hex) FROM secret");

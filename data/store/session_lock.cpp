@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "data/store/disk_space.hpp"
@@ -13,25 +14,44 @@
 namespace palpate::data {
 namespace {
 
-/// Of SQLite's log a byte each session, or all of them, whether or not the log is as long.
-struct flock bytes_of(std::optional<std::int64_t> session) {
+/// Bytes of a log, from here on one for each database: whoever runs a session holds that of its
+/// own, beside one for the session.
+constexpr std::int64_t kDatabaseBytes = std::int64_t{1} << 62U;
+
+std::int64_t database_byte(const std::string& name) {
+    struct stat status {};
+    return stat(name.c_str(), &status) != 0
+             ? kDatabaseBytes
+             : kDatabaseBytes + static_cast<std::int64_t>(status.st_ino % kDatabaseBytes);
+}
+
+/// Of SQLite's log, whether or not it is as long.
+struct flock bytes_of(short type, off_t first, off_t end) {
     struct flock bytes {};
-    bytes.l_type = F_WRLCK;
+    bytes.l_type = type;
     bytes.l_whence = SEEK_SET;
-    bytes.l_start = session.value_or(0);
-    bytes.l_len = session ? 1 : 0;
+    bytes.l_start = first;
+    bytes.l_len = end - first;
     return bytes;
 }
 
 /// Locks of others from one byte up to another. The kernel names any of them first.
 std::size_t locks_within(int log, off_t first, off_t end) {
-    struct flock bytes = bytes_of(std::nullopt);
-    bytes.l_start = first;
-    bytes.l_len = end - first;
+    struct flock bytes = bytes_of(F_WRLCK, first, end);
     if (first >= end || fcntl(log, F_OFD_GETLK, &bytes) != 0 || bytes.l_type == F_UNLCK) {
         return 0;
     }
     return 1 + locks_within(log, first, bytes.l_start) + locks_within(log, bytes.l_start + 1, end);
+}
+
+/// The same of a file's log.
+std::size_t locks_of(const std::string& file, off_t first, off_t end) {
+    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
+    const std::size_t found = log >= 0 ? locks_within(log, first, end) : 0;
+    if (log >= 0) {
+        close(log);
+    }
+    return found;
 }
 
 }  // namespace
@@ -42,9 +62,9 @@ SessionLock::SessionLock(Database& database, std::int64_t session) {
     }
     static_cast<void>(database.first("PRAGMA schema_version"));  // SQLite has laid the log by then
     log_ = open(log_of(database.file()).c_str(), O_RDWR | O_CLOEXEC);
-    struct flock bytes = bytes_of(session);
-    struct flock own = bytes_of(database_byte(database.file()));
-    own.l_type = F_RDLCK;  // several sessions of one database
+    const std::int64_t byte = database_byte(database.file());
+    struct flock own = bytes_of(F_RDLCK, byte, byte + 1);  // several sessions of one database
+    struct flock bytes = bytes_of(F_WRLCK, session, session + 1);
     if (log_ >= 0 && fcntl(log_, F_OFD_SETLK, &own) == 0 && fcntl(log_, F_OFD_SETLK, &bytes) == 0) {
         return;
     }
@@ -59,23 +79,17 @@ SessionLock::SessionLock(Database& database, std::int64_t session) {
                                        std::strerror(error)));
 }
 
-bool SessionLock::held(const std::string& file, std::optional<std::int64_t> session) {
-    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
-    struct flock bytes = bytes_of(session);
-    const bool found = log >= 0 && fcntl(log, F_OFD_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
-    if (log >= 0) {
-        close(log);
-    }
-    return found;
+bool SessionLock::held(const Database& database, std::int64_t session) {
+    return locks_of(database.file(), session, session + 1) > 0;
 }
 
 std::size_t SessionLock::all_held(const std::string& file) {
-    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
-    const std::size_t found = log >= 0 ? locks_within(log, 0, kDatabaseBytes) : 0;
-    if (log >= 0) {
-        close(log);
-    }
-    return found;
+    return locks_of(file, 0, kDatabaseBytes);
+}
+
+bool SessionLock::held_elsewhere(const std::string& file) {
+    const std::int64_t byte = database_byte(file);
+    return all_held(file) > 0 && locks_of(file, byte, byte + 1) == 0;
 }
 
 SessionLock::SessionLock(SessionLock&& other) noexcept : log_(std::exchange(other.log_, -1)) {}

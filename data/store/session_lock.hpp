@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "data/store/database.hpp"
@@ -23,14 +22,13 @@ public:
     SessionLock& operator=(const SessionLock&) = delete;
     ~SessionLock();
 
-    /// Some program of this computer, this one too, runs the session, or any, of a file.
-    [[nodiscard]] static bool held(const std::string& file,
-                                   std::optional<std::int64_t> session = {});
-    [[nodiscard]] static bool held(const Database& database, std::int64_t session) {
-        return held(database.file(), session);
-    }
+    /// Some program of this computer, this one too, runs the session.
+    [[nodiscard]] static bool held(const Database& database, std::int64_t session);
     /// How many sessions of a file programs of this computer run.
     [[nodiscard]] static std::size_t all_held(const std::string& file);
+    /// A session runs on the file's log, and on another database than this one, which was put in
+    /// its place: SQLite would write what that session recorded into it.
+    [[nodiscard]] static bool held_elsewhere(const std::string& file);
 
 private:
     int log_ = -1;

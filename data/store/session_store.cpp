@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/chain.hpp"
@@ -29,24 +28,6 @@ std::int64_t study_row(Database& database, const SessionSpec& spec) {
     return database
         .first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", spec.protocol_hash)
         .integer(0);
-}
-
-void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
-    for (const auto& rows_of : {plan_rows, picture_rows, adaptive_plan_rows}) {
-        for (Row& row : rows_of(spec.protocol, spec.plan)) {
-            row.set("session_id", session).insert(database);
-        }
-    }
-}
-
-void write_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
-    for (const auto& [key, value] : spec.provenance) {
-        Row("session_provenance")
-            .set("session_id", session)
-            .set("key", key)
-            .set("value", value)
-            .insert(database);
-    }
 }
 
 Row session_row(Database& database, const SessionSpec& spec) {
@@ -82,8 +63,18 @@ std::int64_t create(Database& database,
     } else {
         session = row.set("uuid", spec.uuid.empty() ? random_uuid() : spec.uuid).insert(database);
     }
-    write_plan(database, session, spec);
-    write_provenance(database, session, spec);
+    for (const auto& rows_of : {plan_rows, picture_rows, adaptive_plan_rows}) {
+        for (Row& planned : rows_of(spec.protocol, spec.plan)) {
+            planned.set("session_id", session).insert(database);
+        }
+    }
+    for (const auto& [key, value] : spec.provenance) {
+        Row("session_provenance")
+            .set("session_id", session)
+            .set("key", key)
+            .set("value", value)
+            .insert(database);
+    }
     for (const Row& column : trace_column_rows()) {
         column.insert(database, "ON CONFLICT DO NOTHING");
     }
@@ -242,12 +233,6 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     return found.size();
 }
 
-std::int64_t last_trial(Database& database, std::int64_t session) {
-    return database
-        .first("SELECT coalesce(max(trial_id), 0) FROM trial WHERE session_id = ?1", session)
-        .integer(0);
-}
-
 OpenedSession opened_session(Database& database, const SessionSpec& spec) {
     const auto there = existing_session(database, spec);
     const std::int64_t id = there ? there->id : create(database, spec);
@@ -268,53 +253,20 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
         opened.progress = begin_again(database, id, spec.resume, std::move(opened.progress));
     }
     opened.next = opened.progress.pending().next();
-    opened.last_trial = last_trial(database, id);
+    opened.last_trial =
+        database.first("SELECT coalesce(max(trial_id), 0) FROM trial WHERE session_id = ?1", id)
+            .integer(0);
     return opened;
 }
 
-/// Who has which row of a counterbalance.
-struct Rows {
-    protocols::RowHistory pictures, frictions;
-
-    friend bool operator==(const Rows&, const Rows&) = default;
-};
-
-Rows rows_taken(Database& database, const SessionSpec& spec) {
-    const std::string_view kind = to_string(spec.kind);
-    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key, kind);
-    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key, kind);
-    return {picture_history(spec.protocol, pictures.others, pictures.own),
-            friction_history(spec.protocol, frictions.others, frictions.own)};
+RowsTaken rows_taken(Database& database, const SessionSpec& spec) {
+    return rows_taken(database, spec.protocol, spec.key, to_string(spec.kind));
 }
 
-protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
+protocols::Plan planned(const SessionSpec& spec, const RowsTaken& rows) {
     return make_plan(spec.protocol, spec.protocol_hash, spec.key, spec.seed, rows.pictures,
                      rows.frictions);
 }
-
-std::optional<SessionState> state_of(Statement& row) {
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    return SessionState{
-        .number = static_cast<std::size_t>(row.integer(0)),
-        .seed = std::stoull(row.text(1)),
-        .over = row.text(2),
-        .begun = row.integer(4) != 0,
-        .kind = row.text(5),
-        .run_as = {row.text(6), static_cast<std::size_t>(row.integer(7)), row.text(3)},
-        .plan_hash = row.text(8)};
-}
-
-/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
-/// are of no use.
-constexpr const char* kStates =
-    "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' WHEN "
-    "finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another code' ELSE "
-    "'' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
-    "session_kind, coalesce(run_code, participant_code), coalesce(run_number, session_number), "
-    "plan_sha256 FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
-    "WHERE study_name = ?1 AND participant_code = ?2";
 
 }  // namespace
 
@@ -324,6 +276,15 @@ std::string_view to_string(RunKind kind) noexcept {
 
 protocols::StreamKey session_stream(const SessionSpec& spec) {
     return session_stream(spec.protocol_hash, spec.key, spec.seed);
+}
+
+RowsTaken rows_taken(Database& database,
+                     const protocols::Protocol& protocol,
+                     const protocols::SessionKey& key,
+                     std::string_view kind) {
+    const auto [pictures, own] = orders_of(database, Balanced::pictures, protocol.id, key, kind);
+    const auto [blocks, first] = orders_of(database, Balanced::frictions, protocol.id, key, kind);
+    return {picture_history(protocol, pictures, own), friction_history(protocol, blocks, first)};
 }
 
 OpenedSession open_session(Database& database, const SessionSpec& spec) {
@@ -340,10 +301,10 @@ void check_session(Database& database, SessionSpec spec) {
 }
 
 OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
-    const Rows before = rows_taken(database, spec);
+    const RowsTaken before = rows_taken(database, spec);
     spec.plan = planned(spec, before);
     Transaction all(database);
-    if (const Rows now = rows_taken(database, spec); now != before) {
+    if (const RowsTaken now = rows_taken(database, spec); now != before) {
         spec.plan = planned(spec, now);
     }
     OpenedSession opened = opened_session(database, spec);
@@ -351,20 +312,33 @@ OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
     return opened;
 }
 
-std::optional<SessionState> latest_session(Database& database,
-                                           std::string_view study,
-                                           std::string_view participant) {
-    Statement row = database.prepare(std::string(kStates) + " ORDER BY session_number DESC LIMIT 1",
-                                     study, participant);
-    return state_of(row);
-}
-
 std::optional<SessionState> find_session(Database& database,
                                          std::string_view study,
-                                         const protocols::SessionKey& key) {
-    Statement row = database.prepare(std::string(kStates) + " AND session_number = ?3", study,
-                                     key.participant, key.session);
-    return state_of(row);
+                                         std::string_view participant,
+                                         std::optional<std::size_t> number) {
+    // What was withdrawn, or run as somebody else, is over: its orders were drawn for another key,
+    // or are of no use.
+    Statement row = database.prepare(
+        "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' "
+        "WHEN finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another "
+        "code' ELSE '' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = "
+        "session.session_id), session_kind, coalesce(run_code, participant_code), "
+        "coalesce(run_number, session_number), plan_sha256 FROM session JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE study_name = ?1 AND "
+        "participant_code = ?2 AND (?3 IS NULL OR session_number = ?3) ORDER BY session_number "
+        "DESC LIMIT 1",
+        study, participant, number);
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    return SessionState{
+        .number = static_cast<std::size_t>(row.integer(0)),
+        .seed = std::stoull(row.text(1)),
+        .over = row.text(2),
+        .begun = row.integer(4) != 0,
+        .kind = row.text(5),
+        .run_as = {row.text(6), static_cast<std::size_t>(row.integer(7)), row.text(3)},
+        .plan_hash = row.text(8)};
 }
 
 std::optional<OtherVersion> other_version(Database& database,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/store/database.hpp"
@@ -75,13 +76,12 @@ struct SessionState {
     std::string plan_hash{};
 };
 
-/// The participant's last session of a protocol (by the protocol's id), if there is one.
-[[nodiscard]] std::optional<SessionState> latest_session(Database& database,
-                                                         std::string_view study,
-                                                         std::string_view participant);
+/// The participant's session of a protocol (by the protocol's id), if there is one.
+/// @param number  of the session; none: the last one
 [[nodiscard]] std::optional<SessionState> find_session(Database& database,
                                                        std::string_view study,
-                                                       const protocols::SessionKey& key);
+                                                       std::string_view participant,
+                                                       std::optional<std::size_t> number = {});
 
 /// The text of another version of a protocol, that whoever had the last trial of a kind ran.
 struct OtherVersion {
@@ -93,6 +93,18 @@ struct OtherVersion {
                                                         std::string_view study,
                                                         std::string_view protocol_sha256,
                                                         RunKind kind);
+
+/// Who has which row of a counterbalance.
+struct RowsTaken {
+    protocols::RowHistory pictures, frictions;
+
+    friend bool operator==(const RowsTaken&, const RowsTaken&) = default;
+};
+/// @param kind  of the session that asks, as to_string(RunKind)
+[[nodiscard]] RowsTaken rows_taken(Database& database,
+                                   const protocols::Protocol& protocol,
+                                   const protocols::SessionKey& key,
+                                   std::string_view kind);
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
 /// Attempts left running by a killed program are marked interrupted; what they recorded stays. A

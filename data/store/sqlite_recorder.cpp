@@ -24,7 +24,6 @@
 #include "data/store/reader.hpp"
 #include "data/store/row.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/trace/chunk.hpp"
 #include "data/trace/derived_hash.hpp"
 
 namespace palpate::data {
@@ -129,29 +128,21 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
     if (!database_.in_memory()) {
         reserve_.hold(bytes_needed(protocol_, 1));
     }
-    running_ = with_room([&] { return insert_trial(planned); });
+    running_ = with_room([&] {
+        Transaction all(database_);
+        constexpr std::string_view kBefore =
+            "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2";
+        const auto before = database_.first(kBefore, session_, planned.position).integer(0);
+        const TrialId id = attempt_row(planned.position, before + 1, device_)
+                               .set("session_id", session_)
+                               .set("outcome", "running")
+                               .set("started_utc", database_.utc_now())
+                               .set("started_ns", database_.steady_now())
+                               .insert(database_);
+        all.commit();
+        return id;
+    });
     return running_;
-}
-
-TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
-    Transaction all(database_);
-    const TrialId id =
-        attempt_row(
-            planned.position,
-            database_
-                    .first(
-                        "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2",
-                        session_, planned.position)
-                    .integer(0) +
-                1,
-            device_)
-            .set("session_id", session_)
-            .set("outcome", "running")
-            .set("started_utc", database_.utc_now())
-            .set("started_ns", database_.steady_now())
-            .insert(database_);
-    all.commit();
-    return id;
 }
 
 void SqliteRecorder::begin_interval(TrialId trial,
@@ -295,21 +286,20 @@ void SqliteRecorder::event(const protocols::Event& event) {
 }
 
 void SqliteRecorder::finish_session() {
-    with_room([this] { write_finished(); });
+    with_room([this] {
+        Transaction all(database_);
+        database_.run(
+            "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished "
+            "= 0",
+            session_, database_.utc_now());
+        // Power may fail once the end is on the disk and before anybody knows: it ended then, and
+        // has its link.
+        if (database_.changes() > 0) {
+            chain_session(database_, session_);
+        }
+        all.commit();
+    });
     with_room([this] { database_.checkpoint(); });
-}
-
-void SqliteRecorder::write_finished() {
-    Transaction all(database_);
-    database_.run(
-        "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished = 0",
-        session_, database_.utc_now());
-    // Power may fail once the end is on the disk and before anybody knows: it ended then, and has
-    // its link.
-    if (database_.changes() > 0) {
-        chain_session(database_, session_);
-    }
-    all.commit();
 }
 
 TraceWriter::TraceWriter(Database& database,
@@ -338,10 +328,6 @@ void TraceWriter::begin(std::int64_t trial,
 void TraceWriter::add(std::span<const engine::TickRecord> ticks) {
     ticks_.insert(ticks_.end(), ticks.begin(), ticks.end());
     unsaved_ += ticks.size();
-}
-
-bool TraceWriter::is_full() const noexcept {
-    return ticks_.size() >= kChunkTicks;
 }
 
 void TraceWriter::write() {

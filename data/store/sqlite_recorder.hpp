@@ -15,6 +15,7 @@
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
 #include "data/store/stored_progress.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/retrace.hpp"
 
 namespace palpate::data {
@@ -50,7 +51,7 @@ public:
     /// Something added is not in a committed chunk yet.
     [[nodiscard]] bool has_unsaved() const noexcept { return unsaved_ > 0; }
     /// There is a full chunk in memory.
-    [[nodiscard]] bool is_full() const noexcept;
+    [[nodiscard]] bool is_full() const noexcept { return ticks_.size() >= kChunkTicks; }
 
 private:
     Database& database_;
@@ -130,9 +131,7 @@ private:
     /// What `work` returns, tried again with more room as long as there is any set aside.
     template <class Work>
     auto with_room(const Work& work);
-    protocols::TrialId insert_trial(const protocols::PlannedTrial& planned);
     void write_end(protocols::TrialId trial, const protocols::TrialResult& result);
-    void write_finished();
     void require_running(protocols::TrialId trial) const;
     void write_intervals(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);

@@ -118,7 +118,7 @@ Statement& Statement::bind(int parameter, std::span<const std::byte> value) {
                                : sqlite3_bind_blob64(statement_, parameter, value.data(),
                                                      value.size(), SQLITE_TRANSIENT));
 }
-Statement& Statement::bind_null(int parameter) {
+Statement& Statement::bind(int parameter, std::monostate /*null*/) {
     return bound(sqlite3_bind_null(statement_, parameter));
 }
 
@@ -162,6 +162,21 @@ double Statement::real(int column) const {
 std::string Statement::text(int column) const {
     const auto bytes = blob(column);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+ColumnValue Statement::value(int column) const {
+    switch (type(column)) {
+        case SQLITE_INTEGER:
+            return integer(column);
+        case SQLITE_FLOAT:
+            return real(column);
+        case SQLITE_TEXT:
+            return text(column);
+        case SQLITE_BLOB:
+            return blob(column);
+        default:
+            return {};
+    }
 }
 
 std::span<const std::byte> Statement::blob(int column) const {

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 struct sqlite3;
@@ -74,6 +75,10 @@ void require_sound_pages(const Connection& file);
 /// A text of a statement as SQL takes it: in ', each ' twice.
 [[nodiscard]] std::string quoted_text(std::string_view text);
 
+/// A value of a column: of NULL none. Bytes stay where they are.
+using ColumnValue =
+    std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
+
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws
 /// StoreError if SQLite refuses it. A NaN is stored as NULL: SQLite has none.
 class Statement {
@@ -99,14 +104,19 @@ public:
     Statement& bind(int parameter, double value);
     Statement& bind(int parameter, std::string_view value);
     Statement& bind(int parameter, std::span<const std::byte> value);
-    Statement& bind_null(int parameter);
+    Statement& bind(int parameter, std::monostate null);
     template <std::integral T>
     Statement& bind(int parameter, T value) {
         return bind(parameter, static_cast<std::int64_t>(value));
     }
     template <class T>
     Statement& bind(int parameter, const std::optional<T>& value) {
-        return value ? bind(parameter, *value) : bind_null(parameter);
+        return value ? bind(parameter, *value) : bind(parameter, std::monostate());
+    }
+    template <class... T>
+    Statement& bind(int parameter, const std::variant<T...>& value) {
+        std::visit([&](const auto& one) { bind(parameter, one); }, value);
+        return *this;
     }
 
     /// The next row is there.
@@ -137,6 +147,8 @@ public:
     [[nodiscard]] std::string text(int column) const;
     /// Valid until the next step().
     [[nodiscard]] std::span<const std::byte> blob(int column) const;
+    /// Its bytes as blob() has them.
+    [[nodiscard]] ColumnValue value(int column) const;
     [[nodiscard]] bool null(int column) const { return type(column) == 5; }
     /// None where it is NULL.
     [[nodiscard]] std::optional<std::int64_t> integer_or_none(int column) const {

@@ -49,11 +49,7 @@ std::string content_uuid(std::string_view text) {
 }
 
 std::string random_secret() {
-    std::string hex;
-    for (const std::uint8_t byte : random_bytes()) {
-        hex += fmt::format("{:02x}", byte);
-    }
-    return hex;
+    return fmt::format("{:02x}", fmt::join(random_bytes(), ""));
 }
 
 }  // namespace palpate::data

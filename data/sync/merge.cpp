@@ -1,9 +1,9 @@
 #include "data/sync/merge.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <set>
 
 #include <fmt/format.h>
@@ -201,17 +201,6 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
     return order;
 }
 
-/// Sessions that change whose they are free their numbers first, for each other.
-void free_numbers(Database& out, const std::vector<SessionMerge>& order) {
-    for (const SessionMerge& one : order) {
-        if (one.own != nullptr) {
-            out.run(
-                "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1",
-                one.own->id);
-        }
-    }
-}
-
 void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeReport& report) {
     if (one.own == nullptr) {
         add_session(*one.last, out, layout);
@@ -222,14 +211,6 @@ void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeRe
     const bool goes_on = of_it && one.own->destructions == one.last->destructions;
     (goes_on ? extend_session : replace_session)(*one.last, *one.own, out, layout);
     ++(of_it ? report.extended : report.replaced);
-}
-
-std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
-    std::vector<std::unique_ptr<Input>> inputs;
-    for (const std::string& file : files) {
-        inputs.push_back(std::make_unique<Input>(file));
-    }
-    return inputs;
 }
 
 void collect(Database& database,
@@ -304,7 +285,7 @@ void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, Merg
 
 /// @return something of it was destroyed in another file
 bool merge_into(Database& out,
-                const std::vector<std::unique_ptr<Input>>& inputs,
+                std::deque<Input>& inputs,
                 const std::string& prefer,
                 MergeReport& report) {
     bool destroyed = false;
@@ -312,8 +293,8 @@ bool merge_into(Database& out,
     PeopleMerge people(prefer);
     std::map<std::string, Versions> all;
     collect(out, out.file(), layout, people, all);
-    for (const auto& input : inputs) {
-        collect(input->database, input->name, layout, people, all);
+    for (Input& input : inputs) {
+        collect(input.database, input.name, layout, people, all);
     }
     std::vector<SessionMerge> order = in_order(all, out, prefer, people, report);
     part_simulated(order, people, report.conflicts);
@@ -323,13 +304,19 @@ bool merge_into(Database& out,
     people.write(out);
     destroyed = people.forgot(out.file());
     leave_out(order, people, report);
-    free_numbers(out, order);
+    for (const SessionMerge& one : order) {  // who changes whose it is: numbers for each other
+        if (one.own != nullptr) {
+            out.run(
+                "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1",
+                one.own->id);
+        }
+    }
     for (const SessionMerge& one : order) {
         bring(one, out, layout, report);
         destroyed = destroyed || one.last->destructions > 0;
     }
-    for (const auto& input : inputs) {
-        copy_shared(input->database, out, layout, input->name);
+    for (Input& input : inputs) {
+        copy_shared(input.database, out, layout, input.name);
     }
     drop_unused_secrets(out);
     return destroyed;
@@ -354,7 +341,7 @@ void remove_if_empty(const std::string& file) {
 }
 
 MergeReport merge_all(const std::string& file,
-                      const std::vector<std::unique_ptr<Input>>& inputs,
+                      std::deque<Input>& inputs,
                       const std::string& prefer,
                       bool is_new) {
     Database out(file, Access::write);
@@ -378,7 +365,10 @@ MergeReport merge_all(const std::string& file,
 MergeReport merge_files(const std::string& file,
                         const std::vector<std::string>& files,
                         const std::string& prefer) {
-    const auto inputs = open_all(files);  // before anything is made
+    std::deque<Input> inputs;
+    for (const std::string& name : files) {
+        inputs.emplace_back(name);  // before anything is made
+    }
     std::error_code unknown;
     const bool is_new = !std::filesystem::exists(file, unknown);
     try {

@@ -155,31 +155,6 @@ void PeopleMerge::number() {
     }
 }
 
-/// Handedness, consent and the time of destruction: ?2 to ?6.
-void PeopleMerge::bind_notes(const std::string& code, const Person& person, Statement& note) const {
-    int parameter = 2;
-    for (const char* key : {kHandedness, kConsent}) {
-        const bool known = person.contains(key);
-        note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
-            .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
-        parameter += 2;
-    }
-    const auto destroyed = destroyed_.find(code);
-    note.bind(6, destroyed == destroyed_.end() ? std::nullopt : std::optional(destroyed->second));
-}
-
-void PeopleMerge::write_details(const std::string& code, const Person& person, Statement& detail) {
-    for (const auto& [key, said] : person) {
-        if (key.starts_with(kDetail)) {
-            detail.bind(1, std::string_view(code))
-                .bind(2, std::string_view(key).substr(kDetail.size()))
-                .bind(3, std::string_view(said.value))
-                .bind(4, std::string_view(said.utc))
-                .run();
-        }
-    }
-}
-
 void PeopleMerge::write(Database& out) const {
     Statement add = out.prepare(
         "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) ON "
@@ -199,12 +174,25 @@ void PeopleMerge::write(Database& out) const {
             continue;
         }
         const std::string& subject = person.at(kSubject).value;
-        add.bind(1, std::string_view(code)).bind(2, std::string_view(subject)).run();
-        note.bind(1, std::string_view(code)).bind(7, std::string_view(subject));
-        bind_notes(code, person, note);
-        note.run();
-        gone.bind(1, std::string_view(code)).run();
-        write_details(code, person, detail);
+        add.bind(1, code).bind(2, subject).run();
+        int parameter = 2;
+        for (const char* key : {kHandedness, kConsent}) {
+            const bool known = person.contains(key);
+            note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
+                .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
+            parameter += 2;
+        }
+        const auto destroyed = destroyed_.find(code);
+        const bool is_destroyed = destroyed != destroyed_.end();
+        note.bind(6, is_destroyed ? std::optional(destroyed->second) : std::nullopt);
+        note.bind(1, code).bind(7, subject).run();
+        gone.bind(1, code).run();
+        for (const auto& [key, said] : person) {
+            if (key.starts_with(kDetail)) {
+                detail.bind(1, code).bind(2, key.substr(kDetail.size()));
+                detail.bind(3, said.value).bind(4, said.utc).run();
+            }
+        }
     }
 }
 

@@ -75,8 +75,6 @@ private:
     void settle_consent(const std::string& code);
     void number();
     void say(const std::string& code, const std::string& key, const NotedDetail& said);
-    static void write_details(const std::string& code, const Person& person, Statement& detail);
-    void bind_notes(const std::string& code, const Person& person, Statement& note) const;
 
     std::vector<Word> words_;                                  ///< but for consent
     std::map<std::string, std::vector<NotedDetail>> given_;    ///< consent, by code

@@ -76,21 +76,15 @@ PGconn* of(void* connection) {
     return static_cast<PGconn*>(connection);
 }
 
-class Result {
-public:
-    explicit Result(PGresult* result) : result_(result) {}
-    Result(const Result&) = delete;
-    Result& operator=(const Result&) = delete;
-    ~Result() { PQclear(result_); }
-    [[nodiscard]] PGresult* get() const { return result_; }
-    [[nodiscard]] bool good() const {
-        const int status = PQresultStatus(result_);
-        return status == kCommandOk || status == kTuplesOk;
-    }
-
-private:
-    PGresult* result_;
+struct Clear {
+    void operator()(PGresult* result) const { PQclear(result); }
 };
+using Result = std::unique_ptr<PGresult, Clear>;
+
+bool is_good(const Result& result) {
+    const int status = PQresultStatus(result.get());
+    return status == kCommandOk || status == kTuplesOk;
+}
 
 struct ConninfoOption {
     const char *keyword, *variable, *compiled, *value, *label, *shown;
@@ -151,8 +145,34 @@ void require_secure(PGconn* connection) {
     }
 }
 
-/// What libpq asks for, as long as the row lives.
+std::string text_of(const ColumnValue& value) {
+    struct Visitor {
+        std::string operator()(std::monostate) const { return {}; }
+        std::string operator()(std::int64_t whole) const { return fmt::format("{}", whole); }
+        std::string operator()(double real) const { return number_text(real); }
+        std::string operator()(const std::string& text) const { return text; }
+        std::string operator()(std::span<const std::byte> bytes) const {
+            return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+        }
+    };
+    return std::visit(Visitor{}, value);
+}
+
+/// A row as libpq asks for it.
 struct Parameters {
+    explicit Parameters(const PostgresRow& row) {
+        std::ranges::transform(row, std::back_inserter(texts), text_of);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const bool binary = std::holds_alternative<std::span<const std::byte>>(row[i]);
+            const bool null = std::holds_alternative<std::monostate>(row[i]);
+            values.push_back(null ? nullptr : texts[i].data());
+            lengths.push_back(static_cast<int>(texts[i].size()));
+            formats.push_back(binary ? 1 : 0);
+            types.push_back(binary ? kBytea : 0);
+        }
+    }
+
+    std::vector<std::string> texts;
     std::vector<const char*> values;
     std::vector<int> lengths, formats;
     std::vector<Oid> types;
@@ -169,39 +189,7 @@ void require_url(const std::string& url) {
               "other than letters and digits as %XX");
 }
 
-template <class Values>
-Parameters parameters_of(const Values& values) {
-    Parameters all;
-    for (const auto& value : values) {
-        all.values.push_back(value.null ? nullptr : value.bytes.data());
-        all.lengths.push_back(static_cast<int>(value.bytes.size()));
-        all.formats.push_back(value.binary ? 1 : 0);
-        all.types.push_back(value.binary ? kBytea : 0);
-    }
-    return all;
-}
-
 }  // namespace
-
-PostgresRow& PostgresRow::none() {
-    values_.push_back({{}, false, true});
-    return *this;
-}
-PostgresRow& PostgresRow::text(std::string_view value) {
-    values_.push_back({std::string(value), false, false});
-    return *this;
-}
-PostgresRow& PostgresRow::integer(std::int64_t value) {
-    return text(fmt::format("{}", value));
-}
-PostgresRow& PostgresRow::real(double value) {
-    return text(number_text(value));
-}
-PostgresRow& PostgresRow::bytes(std::span<const std::byte> value) {
-    values_.push_back(
-        {std::string(reinterpret_cast<const char*>(value.data()), value.size()), true, false});
-    return *this;
-}
 
 Postgres::Postgres(const std::string& url, bool insecure) {
     require_url(url);
@@ -265,18 +253,18 @@ void Postgres::fail(std::string_view doing, const char* words) const {
 
 void Postgres::run(const std::string& sql) {
     const Result result(PQexec(of(connection_), sql.c_str()));
-    if (!result.good()) {
+    if (!is_good(result)) {
         fail("a statement", PQerrorMessage(of(connection_)));
     }
 }
 
 std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::string& sql,
                                                                     const PostgresRow& row) {
-    const Parameters all = parameters_of(row.values_);
+    const Parameters all(row);
     const Result result(PQexecParams(of(connection_), sql.c_str(),
                                      static_cast<int>(all.values.size()), all.types.data(),
                                      all.values.data(), all.lengths.data(), all.formats.data(), 0));
-    if (!result.good()) {
+    if (!is_good(result)) {
         fail("a query", PQerrorMessage(of(connection_)));
     }
     std::vector<std::vector<std::optional<std::string>>> found;
@@ -293,7 +281,7 @@ std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::s
 }
 
 void Postgres::send(const std::string& sql, const PostgresRow& row) {
-    const Parameters all = parameters_of(row.values_);
+    const Parameters all(row);
     if ((waiting_ == 0 && PQenterPipelineMode(of(connection_)) == 0) ||
         PQsendQueryParams(of(connection_), sql.c_str(), static_cast<int>(all.values.size()),
                           all.types.data(), all.values.data(), all.lengths.data(),

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "data/store/statement.hpp"
+
 namespace palpate::data {
 
 /// The server, or the way to it, failed. Never says a password.
@@ -17,25 +19,8 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// A row's values as the server takes them: text, or bytes.
-class PostgresRow {
-public:
-    /// Adds the next value; none() is NULL.
-    PostgresRow& none();
-    PostgresRow& text(std::string_view value);
-    PostgresRow& integer(std::int64_t value);
-    PostgresRow& real(double value);  ///< to the bit
-    PostgresRow& bytes(std::span<const std::byte> value);
-
-private:
-    friend class Postgres;
-    struct Value {
-        std::string bytes;
-        bool binary = false;
-        bool null = false;
-    };
-    std::vector<Value> values_;
-};
+/// A row's values, which the server takes as text, reals to the bit, or as bytes.
+using PostgresRow = std::vector<ColumnValue>;
 
 /// A connection to a PostgreSQL server by libpq, the only place that knows it.
 class Postgres {

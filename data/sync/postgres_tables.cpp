@@ -48,9 +48,8 @@ PostgresTable owned(Database& database,
         to.key.push_back(column);
     }
     for (const std::string& column : from.columns) {
-        to.columns.push_back(*std::find_if(types.begin(), types.end(), [&column](const auto& type) {
-            return type.first == column;
-        }));
+        to.columns.push_back(
+            *std::ranges::find(types, column, &std::pair<std::string, std::string>::first));
     }
     return to;
 }
@@ -69,29 +68,6 @@ std::vector<PostgresTable> tables_of_no_file() {
             {"trial_invalid",
              {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
              {"session_uuid", "trial_number"}}};
-}
-
-PostgresTable event_table(Database& database, const Layout& layout) {
-    PostgresTable event =
-        owned(database, layout.event,
-              {{},
-               {{"session_uuid", "uuid"}, {"event_number", "bigint"}, {"trial_number", "bigint"}},
-               {"session_uuid", "event_number"}},
-              "");
-    event.columns.emplace_back("content", "text");
-    return event;
-}
-
-PostgresTable session_table(Database& database,
-                            const Layout& layout,
-                            const PostgresTable& of_session) {
-    PostgresTable session = owned(database, layout.session, of_session, "");
-    session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
-                                                   {"participant_code", "text"},
-                                                   {"session_number", "bigint"},
-                                                   {"began_sha256", "text"},
-                                                   {"file_schema", "bigint"}});
-    return session;
 }
 
 /// Whether every table is there. @throws PostgresError for one without a column: added now, it
@@ -135,15 +111,26 @@ std::vector<PostgresTable> postgres_tables(const Layout& layout) {
     const PostgresTable of_trial{{},
                                  {{"session_uuid", "uuid"}, {"trial_number", "bigint"}},
                                  {"session_uuid", "trial_number"}};
+    const PostgresTable of_event{
+        {},
+        {{"session_uuid", "uuid"}, {"event_number", "bigint"}, {"trial_number", "bigint"}},
+        {"session_uuid", "event_number"}};
     std::vector<PostgresTable> tables = tables_of_no_file();
-    tables.push_back(event_table(database, layout));
-    tables.push_back(session_table(database, layout, of_session));
-    PostgresTable end = owned(database, layout.session_end, of_session, "");
-    end.name = "session_end";
-    tables.push_back(end);
-    PostgresTable trial = owned(database, layout.trial, of_trial, "");
-    trial.columns.insert(trial.columns.end(), {{"content", "text"}, {"file_schema", "bigint"}});
-    tables.push_back(trial);
+    const auto add = [&](const OwnedTable& from, const PostgresTable& to, const auto& more) {
+        PostgresTable& made = tables.emplace_back(owned(database, from, to, ""));
+        made.columns.insert(made.columns.end(), more.begin(), more.end());
+    };
+    using Columns = decltype(PostgresTable::columns);
+    add(layout.event, of_event, Columns{{"content", "text"}});
+    add(layout.session, of_session,
+        Columns{{"protocol_sha256", "text"},
+                {"participant_code", "text"},
+                {"session_number", "bigint"},
+                {"began_sha256", "text"},
+                {"file_schema", "bigint"}});
+    add(layout.session_end, of_session, Columns{});
+    tables.back().name = "session_end";
+    add(layout.trial, of_trial, Columns{{"content", "text"}, {"file_schema", "bigint"}});
     for (const OwnedTable& table : layout.of_session) {
         tables.push_back(owned(database, table, of_session, "session_id"));
     }

@@ -1,5 +1,6 @@
 #include "data/sync/push.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -15,25 +16,12 @@
 namespace palpate::data {
 namespace {
 
-void add_values(const Statement& row, PostgresRow& to) {
+/// A row of a file, behind what the server's table has before it.
+PostgresRow with_row(PostgresRow before, const Statement& row) {
     for (int column = 0; column < row.columns(); ++column) {
-        switch (row.type(column)) {
-            case 1:
-                to.integer(row.integer(column));
-                break;
-            case 2:
-                to.real(row.real(column));
-                break;
-            case 3:
-                to.text(row.text(column));
-                break;
-            case 4:
-                to.bytes(row.blob(column));
-                break;
-            default:
-                to.none();
-        }
+        before.push_back(row.value(column));
     }
+    return before;
 }
 
 class Push {
@@ -100,7 +88,7 @@ private:
         ++report_.declined;
         if (!server_
                  .rows("SELECT 1 FROM palpate.session WHERE session_uuid = $1::uuid",
-                       PostgresRow().text(session.uuid))
+                       {session.uuid})
                  .empty()) {
             conflict(session,
                      "they do not consent, and the server has it: an administrator deletes the "
@@ -128,16 +116,12 @@ private:
         one_at_a_time();
         for (const Statement& study : database_.prepare(
                  "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study")) {
-            PostgresRow row;
-            add_values(study, row);
-            send("study", row);
+            send("study", with_row({}, study));
         }
         for (const OwnedTable& table : layout_.of_file) {
             for (const Statement& line :
                  database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name))) {
-                PostgresRow row;
-                add_values(line, row);
-                send(table.name, row);
+                send(table.name, with_row({}, line));
             }
         }
         flush();
@@ -166,9 +150,7 @@ private:
                                 note.text(0), note.text(1), note.text(2), *found.begin()));
                 continue;
             }
-            PostgresRow row;
-            add_values(note, row);
-            send("participant_note", row);
+            send("participant_note", with_row({}, note));
         }
         flush();
     }
@@ -180,12 +162,8 @@ private:
             "session_uuid = $1::uuid OR (protocol_sha256 = $2 AND participant_code = $3 AND "
             "session_number = $4 AND NOT $5::boolean AND NOT EXISTS (SELECT FROM palpate.event AS "
             "moved WHERE moved.session_uuid = session.session_uuid AND moved.key = 'is really'))",
-            PostgresRow()
-                .text(session.uuid)
-                .text(session.study)
-                .text(session.run_code)
-                .integer(session.run_number)
-                .text(session.participant == session.run_code ? "false" : "true"));
+            {session.uuid, session.study, session.run_code, session.run_number,
+             session.participant == session.run_code ? "false" : "true"});
         for (const auto& row : there) {
             if (*row[0] != session.uuid) {
                 conflict(session, "the server has it under the uuid " + *row[0]);
@@ -213,7 +191,7 @@ private:
                 sql.empty() ? "" : " UNION ALL ", table.name, place, quoted_name(table.name));
         }
         Counts there;
-        for (const auto& row : server_.rows(sql, PostgresRow().text(session.uuid))) {
+        for (const auto& row : server_.rows(sql, {session.uuid})) {
             there[{*row[0], std::stoll(*row[1])}] = std::stoll(*row[2]);
         }
         return there;
@@ -226,21 +204,16 @@ private:
             push_session(session);
         }
         for (const OwnedTable& table : layout_.of_session) {
-            push_owned(table, "session_id", session.id, PostgresRow().text(session.uuid), there, 0);
+            push_owned(table, "session_id", session.id, {session.uuid}, there, 0);
         }
         flush();
     }
 
     void push_session(const SessionVersion& session) {
         Statement line = database_.first(layout_.session.select("session_id"), session.id);
-        PostgresRow row;
-        row.text(session.uuid);
-        add_values(line, row);
-        row.text(session.study)
-            .text(session.run_code)
-            .integer(session.run_number)
-            .text(session.head)
-            .integer(kSchemaVersion);
+        PostgresRow row = with_row({session.uuid}, line);
+        row.insert(row.end(), {session.study, session.run_code, session.run_number, session.head,
+                               kSchemaVersion});
         send("session", row);
     }
 
@@ -262,9 +235,7 @@ private:
             return;
         }
         for (const Statement& line : database_.prepare(table.select(owner), id)) {
-            PostgresRow row = key;
-            add_values(line, row);
-            send(table.name, row);
+            send(table.name, with_row(key, line));
         }
     }
 
@@ -272,7 +243,7 @@ private:
         std::map<std::string, std::pair<std::string, std::string>> there;
         for (const auto& row : server_.rows("SELECT trial_number, content, file_schema FROM "
                                             "palpate.trial WHERE session_uuid = $1::uuid",
-                                            PostgresRow().text(session.uuid))) {
+                                            {session.uuid})) {
             there[*row[0]] = {*row[1], *row[2]};
         }
         const Counts rows = counts(session, layout_.of_trial, "trial_number");
@@ -288,8 +259,7 @@ private:
                 conflict(session, fmt::format("attempt {} is another on the server", number));
                 continue;
             }
-            PostgresRow key;
-            key.text(session.uuid).integer(number);
+            const PostgresRow key{session.uuid, number};
             for (const OwnedTable& table : layout_.of_trial) {
                 push_owned(table, "trial_id", trial.id, key, rows, number);
             }
@@ -297,8 +267,7 @@ private:
                 push_trial(trial, key);
             }
             if (!trial.invalid.empty()) {
-                send("trial_invalid",
-                     PostgresRow().text(session.uuid).integer(number).text(trial.invalid));
+                send("trial_invalid", {session.uuid, number, trial.invalid});
             }
             flush();
         }
@@ -306,9 +275,8 @@ private:
 
     void push_trial(const TrialVersion& trial, const PostgresRow& key) {
         Statement line = database_.first(layout_.trial.select("trial_id"), trial.id);
-        PostgresRow row = key;
-        add_values(line, row);
-        row.text(trial.content).integer(kSchemaVersion);
+        PostgresRow row = with_row(key, line);
+        row.insert(row.end(), {trial.content, kSchemaVersion});
         send("trial", row);
     }
 
@@ -316,7 +284,7 @@ private:
     bool same_events(const SessionVersion& session) {
         const auto there = server_.rows(
             "SELECT event_number, content FROM palpate.event WHERE session_uuid = $1::uuid",
-            PostgresRow().text(session.uuid));
+            {session.uuid});
         for (const auto& row : there) {
             const auto number = static_cast<std::size_t>(std::stoull(*row[0]));
             if (number <= session.events.size() && session.events[number - 1] != *row[1]) {
@@ -333,35 +301,27 @@ private:
         Statement line = database_.prepare(layout_.event.select("event_id"));
         trial.bind(1, session.id);
         for (std::int64_t number = 1; trial.step(); ++number) {
-            PostgresRow row;
-            row.text(session.uuid).integer(number);
+            PostgresRow row{session.uuid, number};
             const std::int64_t place = place_of(session, trial.integer(1));
-            trial.null(1) || place == 0 ? row.none() : row.integer(place);
+            row.push_back(trial.null(1) || place == 0 ? ColumnValue() : ColumnValue(place));
             line.bind(1, trial.integer(0)).step();
-            add_values(line, row);
-            line.reset();
-            row.text(session.events.at(static_cast<std::size_t>(number - 1)));
+            row = with_row(std::move(row), line);
+            row.emplace_back(session.events.at(static_cast<std::size_t>(number - 1)));
             send("event", row);
+            line.reset();
         }
         flush();
     }
 
     static std::int64_t place_of(const SessionVersion& session, std::int64_t id) {
-        for (std::size_t i = 0; i < session.trials.size(); ++i) {
-            if (session.trials[i].id == id) {
-                return static_cast<std::int64_t>(i) + 1;
-            }
-        }
-        return 0;
+        const auto at = std::ranges::find(session.trials, id, &TrialVersion::id);
+        return at == session.trials.end() ? 0 : at - session.trials.begin() + 1;
     }
 
     void push_end(const SessionVersion& session) {
         if (session.finished) {
-            PostgresRow row;
-            row.text(session.uuid);
             Statement line = database_.first(layout_.session_end.select("session_id"), session.id);
-            add_values(line, row);
-            send("session_end", row);
+            send("session_end", with_row({session.uuid}, line));
             flush();
         }
     }

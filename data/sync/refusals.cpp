@@ -35,7 +35,7 @@ void Refusals::read(Postgres& server) {
              "palpate.participant_note AS theirs WHERE key = $1 AND EXISTS (SELECT FROM "
              "palpate.participant_note AS no WHERE no.participant_code = theirs.participant_code "
              "AND no.key = 'consent' AND no.value = '0') GROUP BY 1",
-             PostgresRow().text(kTheirSession))) {
+             {kTheirSession})) {
         moves_[*row[0]] = std::stoll(*row[1]);
     }
 }
@@ -47,10 +47,8 @@ bool Refusals::hold(const SessionVersion& session) const {
 }
 
 PostgresRow Refusals::note(const SessionVersion& session) {
-    return PostgresRow()
-        .text(session.participant)
-        .text(kTheirSession)
-        .text(fmt::format("{} {}", session.uuid, moves_of(session)));
+    return {session.participant, kTheirSession,
+            fmt::format("{} {}", session.uuid, moves_of(session))};
 }
 
 }  // namespace palpate::data

@@ -1,5 +1,7 @@
 #include "data/sync/session_copy.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
@@ -18,13 +20,9 @@ void copy_owned(const SessionVersion& from,
                 std::string_view owner,
                 std::int64_t from_id,
                 std::int64_t to_id) {
-    Statement row = from.database->prepare(table.select(owner));
     Statement add = out.prepare(table.insert(owner));
-    row.bind(1, from_id);
-    while (row.step()) {
-        add.bind(1, to_id);
-        bind_row(row, add, 2);
-        add.run();
+    for (const Statement& row : from.database->prepare(table.select(owner), from_id)) {
+        bind_row(row, add.bind(1, to_id), 2).run();
     }
 }
 
@@ -36,8 +34,7 @@ std::int64_t study_of(const SessionVersion& from, Database& out) {
     Statement add = out.prepare(
         "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES (?1, "
         "?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING");
-    bind_row(row, add, 1);
-    add.run();
+    bind_row(row, add, 1).run();
     return out.first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", from.study)
         .integer(0);
 }
@@ -52,37 +49,27 @@ std::int64_t copy_session_row(const SessionVersion& from, Database& out, const L
             "(SELECT participant_id FROM participant WHERE participant_code = ?2), ?3, {})",
             table.list(), table.places(4)),
         study, from.participant, from.number);
-    bind_row(row, add, 4);
-    add.run();
+    bind_row(row, add, 4).run();
     return out.last_row();
 }
 
-/// Insert of a whole trial, or an update of one that is there (`id`).
-std::int64_t copy_trial_row(const SessionVersion& from,
-                            const TrialVersion& trial,
-                            Database& out,
-                            const Layout& layout,
-                            std::int64_t session,
-                            std::int64_t id) {
-    OwnedTable table = layout.trial;
-    table.columns.emplace_back("invalid_reason");
-    Statement row = from.database->first(table.select("trial_id"), trial.id);
-    Statement write =
-        out.prepare(id == 0 ? table.insert("session_id") : table.update(), id == 0 ? session : id);
-    bind_row(row, write, 2);
-    write.run();
-    return id == 0 ? out.last_row() : id;
-}
-
+/// Insert of a whole trial, or an update of one that is there (not 0).
 std::int64_t copy_trial(const SessionVersion& from,
                         const TrialVersion& trial,
                         Database& out,
                         const Layout& layout,
                         std::int64_t session,
                         std::int64_t there) {
-    const std::int64_t id = copy_trial_row(from, trial, out, layout, session, there);
+    OwnedTable whole = layout.trial;
+    whole.columns.emplace_back("invalid_reason");
+    Statement row = from.database->first(whole.select("trial_id"), trial.id);
+    const bool is_new = there == 0;
+    Statement write =
+        out.prepare(is_new ? whole.insert("session_id") : whole.update(), is_new ? session : there);
+    bind_row(row, write, 2).run();
+    const std::int64_t id = is_new ? out.last_row() : there;
     for (const OwnedTable& table : layout.of_trial) {
-        if (there != 0) {
+        if (!is_new) {
             out.run(fmt::format("DELETE FROM {} WHERE trial_id = ?1", table.name), there);
         }
         copy_owned(from, out, table, "trial_id", trial.id, id);
@@ -106,13 +93,10 @@ void copy_events(const SessionVersion& from,
     with_trial.columns.insert(with_trial.columns.begin(), "trial_id");
     Statement add = out.prepare(with_trial.insert("session_id"));
     while (row.step()) {
-        add.bind(1, session);
-        bind_row(row, add, 2);
-        add.bind_null(2);
-        for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
-            if (from.trials[i].id == row.integer(0)) {
-                add.bind(2, trials.at(i));
-            }
+        bind_row(row, add.bind(1, session), 2).bind(2, std::monostate());
+        const auto at = std::ranges::find(from.trials, row.integer(0), &TrialVersion::id);
+        if (!row.null(0) && at != from.trials.end()) {
+            add.bind(2, trials.at(static_cast<std::size_t>(at - from.trials.begin())));
         }
         add.run();
     }
@@ -127,8 +111,7 @@ void copy_end(const SessionVersion& from,
                        layout.session_repairs.columns.end());
     Statement row = from.database->first(end.select("session_id"), from.id);
     Statement write = out.prepare(end.update(), session);
-    bind_row(row, write, 2);
-    write.run();
+    bind_row(row, write, 2).run();
     const std::string head = chain_head(*from.database, from.id);
     out.run(
         "UPDATE session SET newest_seal = nullif(?2, ''), participant_id = (SELECT participant_id "
@@ -186,10 +169,8 @@ void copy_shared(Database& from, Database& out, const Layout& layout, const std:
         Statement there = out.prepare(
             fmt::format("SELECT 1 FROM {} WHERE ({}) IS ({})", table.name, list, places));
         while (row.step()) {
-            bind_row(row, add, 1);
-            add.run();
-            bind_row(row, there, 1);
-            refuse_if<StoreError>(!there.step(),
+            bind_row(row, add, 1).run();
+            refuse_if<StoreError>(!bind_row(row, there, 1).step(),
                                   "{}: {} differs from that of {}: nothing was merged", file,
                                   table.name, out.file());
             there.reset();

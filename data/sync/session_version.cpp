@@ -22,21 +22,13 @@ OwnedTable without(const TableManual& table, const std::set<std::string>& left) 
     return owned;
 }
 
-OwnedTable without(const std::string& name, const std::set<std::string>& left) {
-    return without(*std::ranges::find(catalogue(), name, &TableManual::name), left);
-}
-
-bool has(const TableManual& table, std::string_view column) {
-    return std::ranges::find(table.columns, column, &ColumnManual::name) != table.columns.end();
-}
-
 /// Columns of a session by when they are set.
 void split_session(Layout& layout) {
     const std::set<std::string> at_end{"finished", "finished_utc", "seal", "seal_events"};
     const std::set<std::string> repaired{"session_number", "run_code", "run_number",
                                          "withdrawn_reason"};
-    layout.session =
-        without("session", {"session_id", "study_id", "participant_id", "newest_seal"});
+    layout.session = without(*find_table("session"),
+                             {"session_id", "study_id", "participant_id", "newest_seal"});
     layout.session_end = layout.session_repairs = layout.session;
     std::erase_if(layout.session.columns,
                   [&](const auto& c) { return at_end.contains(c) || repaired.contains(c); });
@@ -192,17 +184,17 @@ Layout catalogue_layout() {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
     split_session(layout);
-    layout.trial = without("trial", {"trial_id", "session_id", "invalid_reason"});
-    layout.event = without("event", {"event_id", "session_id", "trial_id"});
+    layout.trial = without(*find_table("trial"), {"trial_id", "session_id", "invalid_reason"});
+    layout.event = without(*find_table("event"), {"event_id", "session_id", "trial_id"});
     for (const TableManual& table : catalogue()) {
         if (table.view || own.contains(table.name)) {
             continue;
         }
-        if (has(table, "trial_id")) {
+        if (table.find("trial_id") != nullptr) {
             layout.of_trial.push_back(without(table, {"trial_id"}));
-        } else if (has(table, "session_id")) {
+        } else if (table.find("session_id") != nullptr) {
             layout.of_session.push_back(without(table, {"session_id"}));
-        } else if (!has(table, "participant_id")) {  // PeopleMerge has these
+        } else if (table.find("participant_id") == nullptr) {  // PeopleMerge has these
             layout.of_file.push_back(without(table, {}));
         }
     }
@@ -212,25 +204,11 @@ Layout catalogue_layout() {
     return layout;
 }
 
-void bind_row(const Statement& from, Statement& to, int first) {
+Statement& bind_row(const Statement& from, Statement& to, int first) {
     for (int column = 0; column < from.columns(); ++column) {
-        switch (from.type(column)) {
-            case 1:
-                to.bind(first + column, from.integer(column));
-                break;
-            case 2:
-                to.bind(first + column, from.real(column));
-                break;
-            case 3:
-                to.bind(first + column, std::string_view(from.text(column)));
-                break;
-            case 4:
-                to.bind(first + column, from.blob(column));
-                break;
-            default:
-                to.bind_null(first + column);
-        }
+        to.bind(first + column, from.value(column));
     }
+    return to;
 }
 
 std::vector<SessionVersion> session_versions(Database& database,

@@ -44,8 +44,8 @@ struct Layout {
 /// By the catalogue of this program.
 [[nodiscard]] Layout catalogue_layout();
 
-/// Binds all columns of `from`'s row to `to`, the first to parameter `first`.
-void bind_row(const Statement& from, Statement& to, int first);
+/// Binds all columns of `from`'s row to `to`, the first to parameter `first`. @return `to`
+Statement& bind_row(const Statement& from, Statement& to, int first);
 
 /// One attempt as a file has it.
 struct TrialVersion {

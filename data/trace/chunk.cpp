@@ -25,6 +25,12 @@ bool is_held(const StoredColumn& column, std::uint8_t parts) noexcept {
     return column.part == 0 || (column.part & parts) != 0;
 }
 
+/// Bytes that say how long the streams are.
+std::size_t head_size(std::uint8_t parts) {
+    return kWord * static_cast<std::size_t>(std::ranges::count_if(
+                       stored_columns(), [parts](const auto& c) { return is_held(c, parts); }));
+}
+
 void damaged_if(bool wrong, std::string_view why) {
     refuse_if<TraceError>(wrong, "a trace chunk is damaged: {}", why);
 }
@@ -53,9 +59,7 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
     std::vector<std::uint32_t> sizes;
     EncodedChunk chunk;
     const auto columns = stored_columns();
-    const auto held = static_cast<std::size_t>(std::count_if(
-        columns.begin(), columns.end(), [parts](const auto& c) { return is_held(c, parts); }));
-    chunk.data.resize(held * kWord);
+    chunk.data.resize(head_size(parts));
     const ChunkClock clock{.first_tick = first_tick, .period_ns = period_ns};
     for (std::size_t i = 0; i < columns.size(); ++i) {
         if (!is_held(columns[i], parts)) {
@@ -77,10 +81,7 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
 ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
     check_head(chunk);
     const auto columns = stored_columns();
-    const auto held = static_cast<std::size_t>(
-        std::count_if(columns.begin(), columns.end(),
-                      [&chunk](const auto& c) { return is_held(c, chunk.parts); }));
-    std::size_t at = held * kWord;
+    std::size_t at = head_size(chunk.parts);
     std::size_t word = 0;
     for (std::size_t i = 0; i < columns.size(); ++i) {
         if (!is_held(columns[i], chunk.parts)) {

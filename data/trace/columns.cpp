@@ -150,11 +150,6 @@ constexpr std::size_t total_bytes() {
 }
 static_assert(total_bytes() == sizeof(TickRecord), "a field of TickRecord has no column");
 
-using engine::TickRecord;
-
-static_assert(std::endian::native == std::endian::little,
-              "exact columns are copied as they lie in memory");
-
 constexpr StoredColumn whole(
     std::string_view name, std::string_view unit, double scale, Rule rule, std::size_t size) {
     return {.name = name,
@@ -244,18 +239,8 @@ std::string_view to_string(Rule rule) noexcept {
 }
 
 std::string_view part_name(std::uint8_t part) noexcept {
-    switch (part) {
-        case part_hip:
-            return "hip";
-        case part_contact:
-            return "contact";
-        case part_command:
-            return "command";
-        case part_lateness:
-            return "lateness";
-        default:
-            return "";
-    }
+    constexpr std::array<std::string_view, 4> kWords{"hip", "contact", "command", "lateness"};
+    return part == 0 ? "" : kWords[static_cast<std::size_t>(std::countr_zero(part))];
 }
 
 }  // namespace palpate::data

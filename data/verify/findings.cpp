@@ -11,19 +11,6 @@
 namespace palpate::data {
 namespace {
 
-Value value_of(const Statement& row, int column) {
-    switch (row.type(column)) {
-        case 1:
-            return row.integer(column);
-        case 2:
-            return row.real(column);
-        case 5:
-            return {};
-        default:
-            return row.text(column);
-    }
-}
-
 template <class T>
 T as(const Value& value) {
     const T* found = std::get_if<T>(&value);
@@ -31,7 +18,7 @@ T as(const Value& value) {
 }
 
 /// Bytes are none: chunks are checked as ticks.
-Value value_of(const Row::Value& made) {
+Value value_of(const ColumnValue& made) {
     return std::visit(
         [](const auto& value) {
             if constexpr (std::is_constructible_v<Value, decltype(value)>) {
@@ -71,7 +58,9 @@ std::vector<StoredRow> rows_of(Database& database,
     for (const Statement& row : id ? database.prepare(sql, *id) : database.prepare(sql)) {
         StoredRow& stored = rows.emplace_back();
         for (int column = 0; column < row.columns(); ++column) {
-            stored.set(row.name(column), value_of(row, column));
+            const bool bytes = row.type(column) == 4;  // where no palpate writes some
+            stored.set(row.name(column),
+                       bytes ? Value(row.text(column)) : value_of(row.value(column)));
         }
     }
     return rows;
@@ -111,8 +100,11 @@ std::size_t Verification::count(FindingKind kind) const noexcept {
     return found;
 }
 
-void Findings::differs(std::string_view what, std::string stored, std::string recomputed) {
-    add({.kind = FindingKind::differs,
+void Findings::differs(std::string_view what,
+                       std::string stored,
+                       std::string recomputed,
+                       std::optional<std::int64_t> tick) {
+    add({.tick = tick,
          .what = std::string(what),
          .stored = std::move(stored),
          .recomputed = std::move(recomputed)});
@@ -137,11 +129,8 @@ void Findings::expect(const Row& made,
                       std::optional<std::int64_t> tick) {
     for (const auto& [column, value] : made.values()) {
         if (const Value wanted = value_of(value); !same(row.at(column), wanted)) {
-            add({.kind = FindingKind::differs,
-                 .tick = tick,
-                 .what = fmt::format("{}.{}", name.empty() ? made.table() : name, column),
-                 .stored = to_text(row.at(column)),
-                 .recomputed = to_text(wanted)});
+            differs(fmt::format("{}.{}", name.empty() ? made.table() : name, column),
+                    to_text(row.at(column)), to_text(wanted), tick);
         }
     }
 }

@@ -98,7 +98,10 @@ public:
     /// Findings from here on are of this trial; none: of the session or the file.
     void look_at(std::optional<std::int64_t> trial) { trial_ = trial; }
     /// Adds a finding: what the file says and what follows, or why nothing can be compared.
-    void differs(std::string_view what, std::string stored, std::string recomputed);
+    void differs(std::string_view what,
+                 std::string stored,
+                 std::string recomputed,
+                 std::optional<std::int64_t> tick = {});
     void missing(std::string_view what, std::string why);
     /// table.column of `row` must be `recomputed`.
     void expect(std::string_view table,

@@ -280,18 +280,17 @@ bool check_response(const SessionFrame& frame,
         return false;
     }
     const auto place = static_cast<std::size_t>(answer);
-    findings.expect("response", "chosen_place", response, pictures ? Value(answer) : Value());
-    findings.expect("response", "chosen_object", response,
-                    pictures ? Value(frame.pictures[place]) : Value());
-    const auto right = is_right(frame.protocol, frame.plan, planned, felt, place);
-    findings.expect("response", "correct", response,
-                    right ? Value(std::int64_t{*right ? 1 : 0}) : Value());
+    Row made("response");
+    made.set("chosen_place", pictures ? std::optional(answer) : std::nullopt)
+        .set("chosen_object", pictures ? std::optional(frame.pictures[place]) : std::nullopt)
+        .set("correct", is_right(frame.protocol, frame.plan, planned, felt, place));
     if (!frame.protocol.response.confidence) {
-        findings.expect("response", "confidence", response, Value());
+        made.set("confidence", std::monostate());
     }
     if (response.null("confidence")) {
-        findings.expect("response", "confidence_reaction_s", response, Value());
+        made.set("confidence_reaction_s", std::monostate());
     }
+    findings.expect(made, response);
     check_presses(frame.protocol, response, findings);
     return true;
 }

@@ -251,19 +251,6 @@ void check_all(Database& database,
     check_end(session, trials, findings);
 }
 
-/// Also where the rest could not be read: the chain needs nothing but rows.
-void check_chain(Database& database,
-                 std::int64_t session,
-                 SessionReport& report,
-                 Findings& findings) {
-    report.head = chain_head(database, session);
-    for (const ChainBreak& at : chain_breaks(database, session)) {
-        findings.look_at(at.trial == 0 ? std::nullopt : std::optional(at.trial));
-        findings.differs(at.what, at.stored, at.recomputed);
-    }
-    findings.look_at({});
-}
-
 /// Of a session that was destroyed nothing is left but the mark that says so.
 void check_destroyed(Database& database, std::int64_t session, Findings& findings) {
     for (const char* table : {"event", "trial", "plan", "picture", "session_provenance"}) {
@@ -293,7 +280,13 @@ SessionReport check_session(Database& database, const StoredRow& session, TickRo
         } else {
             check_all(database, session, rooms, report, findings);
         }
-        check_chain(database, report.id, report, findings);
+        // Also where the rest was not what it should be: the chain needs nothing but rows.
+        report.head = chain_head(database, report.id);
+        for (const ChainBreak& at : chain_breaks(database, report.id)) {
+            findings.look_at(at.trial == 0 ? std::nullopt : std::optional(at.trial));
+            findings.differs(at.what, at.stored, at.recomputed);
+        }
+        findings.look_at({});
     } catch (const std::exception& e) {  // a damaged file: what could be read is in the report
         findings.differs("session", e.what(), "nothing more of this session can be read");
     }

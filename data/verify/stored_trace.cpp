@@ -22,18 +22,6 @@ namespace {
 
 using engine::TickRecord;
 
-void differs_from(std::int64_t tick,
-                  std::string what,
-                  std::string stored,
-                  std::string recomputed,
-                  Findings& findings) {
-    findings.add({.kind = FindingKind::differs,
-                  .tick = tick,
-                  .what = std::move(what),
-                  .stored = std::move(stored),
-                  .recomputed = std::move(recomputed)});
-}
-
 /// Chunk by chunk, as far as they are what was written.
 class TraceCheck {
 public:
@@ -56,8 +44,9 @@ public:
                 trace.holds_contacts =
                     trace.holds_contacts || (chunks_[i].parts & part_contact) != 0;
             } catch (const TraceError& e) {
-                differs_from(chunks_[i].first_tick, "trace_chunk", e.what(),
-                             fmt::format("nothing is replayed from tick {} on", next_), findings_);
+                findings_.differs("trace_chunk", e.what(),
+                                  fmt::format("nothing is replayed from tick {} on", next_),
+                                  chunks_[i].first_tick);
                 trace.whole = false;
             }
         }
@@ -90,8 +79,8 @@ private:
         next_ += static_cast<std::int64_t>(again.ticks.size());
         if (!again.as_recorded && !another_hash_) {
             another_hash_ = true;
-            differs_from(first, "trace_chunk.derived", "the hash of what the servo had",
-                         "another one by replay", findings_);
+            findings_.differs("trace_chunk.derived", "the hash of what the servo had",
+                              "another one by replay", first);
         }
     }
 
@@ -150,11 +139,10 @@ private:
             if (stored != exact) {
                 const auto wrong = std::ranges::mismatch(stored, exact);
                 const auto at = static_cast<std::size_t>(wrong.in1 - stored.begin());
-                differs_from(ticks[at].tick,
-                             fmt::format("trace.{}",
-                                         stored_columns()[static_cast<std::size_t>(column)].name),
-                             fmt::format("{}", *wrong.in1), fmt::format("{}", *wrong.in2),
-                             findings_);
+                findings_.differs(
+                    fmt::format("trace.{}",
+                                stored_columns()[static_cast<std::size_t>(column)].name),
+                    fmt::format("{}", *wrong.in1), fmt::format("{}", *wrong.in2), ticks[at].tick);
             }
         }
     }
@@ -177,8 +165,6 @@ private:
     bool punctual_ = true;
     std::array<std::vector<std::int32_t>, kInPlane.size()> columns_;
 };
-
-using engine::TickRecord;
 
 template <class T>
 bool equal_bits(const T& a, const T& b) noexcept {
@@ -309,12 +295,10 @@ void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& fin
     for (const TickRecord& tick : trace.ticks) {
         const std::int64_t due = tick.tick * period_ns;
         if (is_virtual ? tick.time_ns != due : tick.time_ns < before) {
-            findings.add({.kind = FindingKind::differs,
-                          .tick = tick.tick,
-                          .what = "trace.time_s",
-                          .stored = fmt::format("{}", seconds_of(tick.time_ns)),
-                          .recomputed = is_virtual ? fmt::format("{}", due)
-                                                   : fmt::format("at least {}", before)});
+            findings.differs(
+                "trace.time_s", fmt::format("{}", seconds_of(tick.time_ns)),
+                fmt::format("{}{}", is_virtual ? "" : "at least ", is_virtual ? due : before),
+                tick.tick);
             return;
         }
         before = tick.time_ns;

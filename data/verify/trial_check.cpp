@@ -30,19 +30,19 @@ constexpr double kSameTime = 1e-12;
 void compare_choice(const StoredRow& response,
                     const protocols::Choice& choice,
                     Findings& findings) {
-    findings.expect("response", "answer_code", response, static_cast<std::int64_t>(choice.place));
-    findings.expect("response", "confidence", response,
-                    choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
-    if (choice.confidence && !(std::fabs(response.real("confidence_reaction_s") -
-                                         choice.confidence_reaction_s) <= kSameTime)) {
-        findings.expect("response", "confidence_reaction_s", response,
-                        choice.confidence_reaction_s);
+    Row made("response");
+    made.set("answer_code", choice.place).set("confidence", choice.confidence);
+    const auto set_time = [&](std::string_view column, double seconds) {
+        if (!(std::fabs(response.real(column) - seconds) <= kSameTime)) {
+            made.set(column, seconds);
+        }
+    };
+    if (choice.confidence) {
+        set_time("confidence_reaction_s", choice.confidence_reaction_s);
     }
-    if (!(std::fabs(response.real("reaction_s") - choice.reaction_s) <= kSameTime)) {
-        findings.expect("response", "reaction_s", response, choice.reaction_s);
-    }
-    findings.expect("response", "reaction_uncertainty_s", response, choice.uncertainty_s);
-    findings.expect("response", "early_presses", response, std::int64_t{0});
+    set_time("reaction_s", choice.reaction_s);
+    made.set("reaction_uncertainty_s", choice.uncertainty_s).set("early_presses", 0);
+    findings.expect(made, response);
 }
 
 /// What the simulated observer answers to these ticks, and how fast, follows from protocol,
@@ -97,8 +97,7 @@ std::vector<std::string_view> columns_of_an_end() {
     constexpr std::array<std::string_view, 5> kOther{"calibration_sha256", "invalid_reason",
                                                      "started_ns", "seal", "seal_events"};
     std::vector<std::string_view> columns;
-    for (const ColumnManual& column :
-         std::ranges::find(catalogue(), "trial", &TableManual::name)->columns) {
+    for (const ColumnManual& column : find_table("trial")->columns) {
         if (column.nullable && std::ranges::find(kOther, column.name) == kOther.end()) {
             columns.emplace_back(column.name);
         }

@@ -71,12 +71,6 @@ void check_secrets(Database& database, Findings& findings) {
     }
 }
 
-void check_schema(Database& database, Findings& findings) {
-    for (const SchemaDifference& one : schema_differences(database.connection())) {
-        findings.differs(one.name, one.stored, one.wanted);
-    }
-}
-
 /// Handedness, consent and that something was destroyed against the events that say so, and that
 /// they were noted at some time: a connection that only reads asks no CHECK of the schema. A
 /// session that became another's was with somebody else then.
@@ -146,7 +140,11 @@ Verification verify(Database& database) {
     Verification found;
     Findings findings(found.file);
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
-    try_to(findings, "sqlite_schema", [&] { check_schema(database, findings); });
+    try_to(findings, "sqlite_schema", [&] {
+        for (const SchemaDifference& one : schema_differences(database.connection())) {
+            findings.differs(one.name, one.stored, one.wanted);
+        }
+    });
     try_to(findings, "secret", [&] { check_secrets(database, findings); });
     try_to(findings, "session", [&] {
         TickRooms rooms;

@@ -38,14 +38,15 @@ TEST_CASE("those who really ran decide the next row of pictures, simulated ones 
         open(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
         open(database, protocol, fmt::format("L{}", i), data::RunKind::pilot);
     }
-    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
     std::set<std::vector<std::size_t>> orders;
     for (std::size_t i = 0; i < rows; ++i) {
         orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
     }
     CHECK(orders.size() == rows);
-    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.size() == rows - 1);
-    CHECK(data::picture_orders(database, "other", {"R0", 1}).others.empty());
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
+          rows - 1);
+    CHECK(data::orders_of(database, data::Balanced::pictures, "other", {"R0", 1}).others.empty());
 }
 
 TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
@@ -59,7 +60,8 @@ TEST_CASE("a session goes on with its own pictures, and so does the participant'
         CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
     }
     CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
-    CHECK(data::picture_orders(database, "small", {"R1", 1}).others.size() == 11);
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R1", 1}).others.size() ==
+          11);
 }
 
 namespace {
@@ -115,9 +117,11 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     spec.kind = data::RunKind::real;
     {
         const auto opened = data::plan_and_open_session(database, spec);
-        CHECK(data::picture_orders(database, "small", {"R0", 1}).others.size() == 1);
+        CHECK(
+            data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
+            1);
     }
-    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
     std::set<std::vector<std::size_t>> orders;
     for (std::size_t i = 0; i + 1 < rows; ++i) {
         orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));

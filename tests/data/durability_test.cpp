@@ -125,7 +125,7 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     CHECK(opened.next == 0);
     auto trial = database.prepare("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
     REQUIRE(trial.step());
-    const auto ticks = data::stored_ticks(database, trial.integer(0));
+    const auto ticks = data::TraceReader(database).stored(trial.integer(0));
     CHECK(static_cast<std::int64_t>(ticks.size()) >= said.back().ticks);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         REQUIRE(
@@ -157,7 +157,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
     });
     recorder.end_trial(id, tests::answered(0, true, 9000));
     ends.join();
-    const auto stored = data::read_trace(session.database, id);
+    const auto stored = data::TraceReader(session.database).read(id);
     REQUIRE(stored.size() == ticks.size());
     CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), tests::same_bits));
     auto row = analyst.first("SELECT count(*) FROM response");
@@ -175,7 +175,7 @@ TEST_CASE("ticks that come slowly are saved by the clock, not by their number", 
         wait_for_ticks(file, tick + 1);  // nothing else is appended
     }
     recorder.end_trial(id, tests::answered(0, true, 5));
-    CHECK(data::read_trace(session.database, id).size() == 5);
+    CHECK(data::TraceReader(session.database).read(id).size() == 5);
 }
 
 TEST_CASE("the log and its index are as private as the file", "[store][law]") {

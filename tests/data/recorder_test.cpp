@@ -45,7 +45,7 @@ TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[s
         append_in_bits(recorder, id, ticks, seed);
         recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(ticks.size())));
     }
-    check_same(data::read_trace(rig.database, id), ticks);
+    check_same(data::TraceReader(rig.database).read(id), ticks);
     auto row = rig.database.first("SELECT count(*), (max(first_tick) % 2048) FROM trace_chunk");
     CHECK(row.integer(0) == static_cast<std::int64_t>((ticks.size() + 2047) / 2048));
     CHECK(row.integer(1) == 0);
@@ -58,7 +58,7 @@ TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
     std::filesystem::copy(rig.folder.file("a.sqlite"),
                           rig.folder.file("copy.sqlite"));  // without the log
     Database copy(rig.folder.file("copy.sqlite"), Access::write);
-    check_same(data::read_trace(copy, id), ticks);
+    check_same(data::TraceReader(copy).read(id), ticks);
 }
 
 TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
@@ -67,7 +67,7 @@ TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
     auto looking = analyst.prepare("SELECT * FROM plan");
     REQUIRE(looking.step());  // holds a read transaction open
     const auto ticks = tests::random_ticks(2, 1000);
-    check_same(data::read_trace(rig.database, rig.record(0, tests::answered(0, true), ticks)),
+    check_same(data::TraceReader(rig.database).read(rig.record(0, tests::answered(0, true), ticks)),
                ticks);
 }
 
@@ -95,8 +95,8 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     CHECK_THAT(said, Has("a.sqlite", "free some space"));
     CHECK(stored > 0);
     Database again(rig.folder.file("a.sqlite"), Access::read);
-    check_same(data::read_trace(again, first), ticks);
-    CHECK(data::read_trace(again, second).size() == stored);
+    check_same(data::TraceReader(again).read(first), ticks);
+    CHECK(data::TraceReader(again).read(second).size() == stored);
 }
 
 TEST_CASE(
@@ -128,7 +128,7 @@ TEST_CASE(
     CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)), Has(said));
     CHECK_THROWS_WITH(rig.begin(1), Has(remedy));
     Database there(rig.folder.file(moved ? "b.sqlite" : "a.sqlite.rescued"), Access::read);
-    check_same(data::read_trace(there, id), ticks);
+    check_same(data::TraceReader(there).read(id), ticks);
     if (what == "log deleted") {
         CHECK(tests::Process({"sqlite3", rig.folder.file("a.sqlite"),
                               "PRAGMA integrity_check; SELECT count(*) FROM other"})

@@ -83,7 +83,7 @@ void check_last_ticks(FeltRun& run) {
     while (row.step()) {
         ++faults;
         const std::int64_t trial = row.integer(0);
-        const auto trace = data::read_trace(run.database, trial);
+        const auto trace = data::TraceReader(run.database).read(trial);
         REQUIRE_FALSE(trace.empty());
         const std::size_t last = std::min<std::size_t>(trace.size(), 100);
         CHECK((trace.back().flags & engine::tick_fault) != 0);

@@ -181,13 +181,13 @@ TEST_CASE("a report names each program and limit of force that held for a trial,
 
 TEST_CASE("sessions of a participant are found by number", "[store]") {
     NewDatabase database;
-    CHECK_FALSE(data::latest_session(database, "small", "P01").has_value());
+    CHECK_FALSE(data::find_session(database, "small", "P01").has_value());
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 1)));
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 2)));
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P02", 1)));
-    CHECK(data::latest_session(database, "small", "P01")->number == 2);
-    CHECK(data::latest_session(database, "small", "P02")->number == 1);
-    CHECK_FALSE(data::find_session(database, "small", {"P02", 2}).has_value());
+    CHECK(data::find_session(database, "small", "P01")->number == 2);
+    CHECK(data::find_session(database, "small", "P02")->number == 1);
+    CHECK_FALSE(data::find_session(database, "small", "P02", 2).has_value());
     CHECK(count(database, "participant") == 2);
     CHECK(count(database, "study") == 1);
 }

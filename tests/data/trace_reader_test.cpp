@@ -93,11 +93,13 @@ TEST_CASE("a trace without its tail is refused, and what is stored of it can sti
     const std::int64_t kept = GENERATE(0, 2048, 8192);  // whole chunks
     CAPTURE(kept);
     Recorded rig(tests::random_ticks(1, kTicks), kTicks);
-    CHECK(data::read_trace(rig.database, rig.trial).size() == kTicks);
+    CHECK(data::TraceReader(rig.database).read(rig.trial).size() == kTicks);
     rig.database.execute(
         ("DELETE FROM trace_chunk WHERE first_tick >= " + std::to_string(kept)).c_str());
-    CHECK_THROWS_WITH(data::read_trace(rig.database, rig.trial), Has(missing(kept, kTicks - 1)));
-    CHECK(data::stored_ticks(rig.database, rig.trial).size() == static_cast<std::size_t>(kept));
+    CHECK_THROWS_WITH(data::TraceReader(rig.database).read(rig.trial),
+                      Has(missing(kept, kTicks - 1)));
+    CHECK(data::TraceReader(rig.database).stored(rig.trial).size() ==
+          static_cast<std::size_t>(kept));
 }
 
 TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[trace][law]") {
@@ -109,8 +111,8 @@ TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[tr
     CAPTURE(seed, first, last);
     const auto ticks = without(first, last, kTicks);
     Recorded rig(ticks, static_cast<std::int64_t>(ticks.size()));
-    CHECK_THROWS_WITH(data::read_trace(rig.database, rig.trial), Has(missing(first, last)));
-    CHECK(data::stored_ticks(rig.database, rig.trial).size() == ticks.size());
+    CHECK_THROWS_WITH(data::TraceReader(rig.database).read(rig.trial), Has(missing(first, last)));
+    CHECK(data::TraceReader(rig.database).stored(rig.trial).size() == ticks.size());
 }
 
 TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
@@ -118,14 +120,15 @@ TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
     const auto again = tests::random_ticks(2, 100, 150);
     ticks.insert(ticks.end(), again.begin(), again.end());
     Recorded rig(ticks, static_cast<std::int64_t>(ticks.size()));
-    CHECK_THROWS_WITH(data::read_trace(rig.database, rig.trial), Has("tick 150 follows tick 199"));
+    CHECK_THROWS_WITH(data::TraceReader(rig.database).read(rig.trial),
+                      Has("tick 150 follows tick 199"));
 }
 
 TEST_CASE("a trial that is not there has no trace, not an empty one", "[trace][law]") {
     Recorded rig(tests::random_ticks(1, 10), 10);
     for (const std::int64_t trial : {rig.trial + 1, std::int64_t{0}, std::int64_t{-1}}) {
         const std::string says = "there is no trial " + std::to_string(trial);
-        CHECK_THROWS_WITH(data::read_trace(rig.database, trial), Has(says));
-        CHECK_THROWS_WITH(data::stored_ticks(rig.database, trial), Has(says));
+        CHECK_THROWS_WITH(data::TraceReader(rig.database).read(trial), Has(says));
+        CHECK_THROWS_WITH(data::TraceReader(rig.database).stored(trial), Has(says));
     }
 }

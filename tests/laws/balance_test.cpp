@@ -29,7 +29,7 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
     double highest_mu = 0.0;
     while (trial.step()) {
         const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
-        for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
+        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
             if (tick.mode == engine::Mode::free) {
                 ++outside;
                 unlawful += tick.force == engine::Vec3{} && tick.command == engine::Vec3{} ? 0 : 1;

@@ -144,7 +144,7 @@ TEST_CASE(
         CHECK(row.text(7) == "mouse");
         CHECK(row.real(8) > 1.0);
         int touched = 0;
-        const auto trace = data::read_trace(database, row.integer(0));
+        const auto trace = data::TraceReader(database).read(row.integer(0));
         CHECK(glm::length(Vec2(trace.front().hip) - Vec2{0.0, 0.060}) < 1e-7);
         CHECK(longest_step(trace) < 0.02);  // nor did it come from where it had been
         CHECK(worst_difference(trace, {row.real(1), row.text(2) == "on"}, touched) <= 1e-9);

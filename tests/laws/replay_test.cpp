@@ -38,7 +38,7 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
             {index(protocol.objects, trial.text(1)), index(protocol.frictions, trial.text(2))});
         scene.restore_decay({trial.real(3), trial.real(4)});
         engine::ContactState state;
-        for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
+        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
             const engine::Contact contact = scene.tick(state, engine::Vec2(tick.hip));
             REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0);
             REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof contact.go) == 0);
@@ -63,8 +63,8 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
     REQUIRE(trials_a.size() == 10);
     REQUIRE(trials_b.size() == 10);
     for (std::size_t i = 0; i < 10; ++i) {
-        const auto one = data::read_trace(a, trials_a[i]);
-        const auto two = data::read_trace(b, trials_b[i]);
+        const auto one = data::TraceReader(a).read(trials_a[i]);
+        const auto two = data::TraceReader(b).read(trials_b[i]);
         REQUIRE(one.size() == two.size());
         for (std::size_t k = 0; k < one.size(); ++k) {
             REQUIRE(std::memcmp(&one[k].force, &two[k].force, sizeof one[k].force) == 0);

@@ -49,7 +49,7 @@ std::vector<data::Ticks> answered_traces(const std::string& file) {
     data::Database database(file, data::Access::read);
     std::vector<data::Ticks> traces;
     for (const std::int64_t trial : data::answered_trials(database)) {
-        traces.push_back(data::read_trace(database, trial));
+        traces.push_back(data::TraceReader(database).read(trial));
     }
     return traces;
 }
@@ -175,7 +175,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
         data::Database database(file, data::Access::read);
         auto row = database.prepare("SELECT trial_id, ticks FROM trial WHERE outcome = 'aborted'");
         REQUIRE(row.step());
-        const auto trace = data::read_trace(database, row.integer(0));
+        const auto trace = data::TraceReader(database).read(row.integer(0));
         CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
     }
     ran(words(file));

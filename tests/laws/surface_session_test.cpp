@@ -144,7 +144,7 @@ TEST_CASE(
                        .friction = find(protocol.frictions, trial.text(2))});
         scene.restore_decay({trial.real(3), trial.real(4)});
         engine::SurfaceState state;
-        for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
+        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
             const engine::SurfaceContact contact = scene.space()->tick(state, tick.hip);
             REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0);
             REQUIRE((contact.mode == tick.mode && contact.go_v == tick.v));

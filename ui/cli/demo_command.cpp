@@ -71,7 +71,7 @@ RigSpec rig_of(const DemoOptions& options) {
 /// Goes on with a demo that was not finished, or begins another session.
 void follow_last(data::Database& database, const DemoOptions& options, RigSpec& spec) {
     spec.key.participant = kParticipant;
-    const auto last = data::latest_session(database, spec.study.protocol.id, kParticipant);
+    const auto last = data::find_session(database, spec.study.protocol.id, kParticipant);
     if (last) {  // a finished demo is followed by another session, an unfinished one goes on
         spec.key.session = last->over.empty() ? last->number : last->number + 1;
     }

@@ -170,7 +170,7 @@ void check_number(const RunOptions& options, const std::string& study) {
     std::size_t last = 0;
     if (std::error_code unknown; std::filesystem::exists(options.database, unknown)) {
         data::Database there(options.database, data::Access::inspect);
-        const auto state = data::latest_session(there, study, options.participant);
+        const auto state = data::find_session(there, study, options.participant);
         last = state ? state->number : 0;
     }
     refuse_if(*options.session > last + 1,

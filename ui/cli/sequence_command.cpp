@@ -14,8 +14,8 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/session/progress.hpp"
-#include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
+#include "data/store/session_store.hpp"
 #include "ui/cli/plan_text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/control_line.hpp"
@@ -70,12 +70,9 @@ Sequence make_sequence(const SequenceOptions& options) {
         choose_session(database, made.study, options.participant, options.session, options.seed);
     made.key = choice.run_as;
     made.seed = choice.seed;
-    const auto seen =
-        data::picture_orders(database, made.study.protocol.id, choice.key, options.kind);
-    made.history = picture_history(made.study.protocol, seen.others, seen.own);
-    const auto blocks =
-        data::friction_orders(database, made.study.protocol.id, choice.key, options.kind);
-    made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
+    const auto rows = rows_taken(database, made.study.protocol, choice.key, options.kind);
+    made.history = rows.pictures;
+    made.frictions = rows.frictions;
     made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
                           made.frictions);
     refuse_if(choice.begun && made.plan.hash != choice.plan_hash,

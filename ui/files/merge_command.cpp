@@ -170,11 +170,11 @@ int run(const MergeOptions& options) {
         expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
     }
     for (const std::string& file : options.inputs) {
-        if (data::SessionLock::held(file)) {
+        if (data::SessionLock::all_held(file) > 0) {
             warn("{}: a session runs on it, and goes on: merge again when it has ended", file);
         }
     }
-    if (data::SessionLock::held(options.database)) {
+    if (data::SessionLock::all_held(options.database) > 0) {
         warn("{}: a session runs on it, and goes on, whatever the others note of its participant",
              options.database);
     }

@@ -112,14 +112,16 @@ Json studies_of(data::Database& database) {
         const std::size_t planned = protocols::stored_protocol(row.text(2)).participants;
         Json people = people_of(database, study);
         const std::size_t ran = people["ran"];
-        all.push_back({{"protocol", study},
-                       {"title", row.text(1)},
-                       {"planned", planned},
-                       {"remaining", planned > ran ? planned - ran : 0},
-                       {"people", std::move(people)},
-                       {"picture_orders", rows_of(data::picture_orders(database, study, {}))},
-                       {"friction_orders", rows_of(data::friction_orders(database, study, {}))},
-                       {"sessions", sessions_of(database, study)}});
+        all.push_back(
+            {{"protocol", study},
+             {"title", row.text(1)},
+             {"planned", planned},
+             {"remaining", planned > ran ? planned - ran : 0},
+             {"people", std::move(people)},
+             {"picture_orders", rows_of(orders_of(database, data::Balanced::pictures, study, {}))},
+             {"friction_orders",
+              rows_of(orders_of(database, data::Balanced::frictions, study, {}))},
+             {"sessions", sessions_of(database, study)}});
     }
     return all;
 }

@@ -159,7 +159,7 @@ std::vector<std::string> session_names(const std::optional<std::string>& databas
 
 void warn_of_unblinding(const std::string& database) {
     static bool said = false;
-    if (!said && data::SessionLock::held(database)) {
+    if (!said && data::SessionLock::all_held(database) > 0) {
         said = true;
         warn("{}: a session runs on it, and this may tell you what its participant feels",
              database);

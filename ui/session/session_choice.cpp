@@ -49,10 +49,11 @@ SessionChoice choose_session(data::Database& database,
                              const std::string& participant,
                              std::optional<std::size_t> session,
                              std::optional<std::uint64_t> seed) {
-    const auto last = data::latest_session(database, study.protocol.id, participant);
+    const auto last = data::find_session(database, study.protocol.id, participant);
     SessionChoice choice;
     choice.key = {participant, session.value_or(last ? last->number : 1)};
-    const auto there = data::find_session(database, study.protocol.id, choice.key);
+    const auto there =
+        data::find_session(database, study.protocol.id, participant, choice.key.session);
     choice.key.secret = there ? there->run_as.secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
     choice.over = there ? there->over : std::string();
