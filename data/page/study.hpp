@@ -39,6 +39,11 @@ struct Rows {
     [[nodiscard]] const std::string& text(std::size_t row, std::string_view name) const;
     /// NaN for NULL and for what is no number.
     [[nodiscard]] double number(std::size_t row, std::string_view name) const;
+    /// All of a column, times a factor; their sum without NaN.
+    [[nodiscard]] std::vector<double> numbers(std::string_view name, double factor = 1.0) const;
+    [[nodiscard]] double sum(std::string_view name) const;
+    /// The rows with this text in a column; without `sql` and `csv`.
+    [[nodiscard]] Rows where(std::string_view name, std::string_view level) const;
     /// Different texts of a column, in the order of the rows.
     [[nodiscard]] std::vector<std::string> levels(std::string_view name) const;
 };
