@@ -103,16 +103,6 @@ Results both_ways(const PageNumbers& numbers) {
     return results;
 }
 
-/// On the scale of the page: exp() of a logarithm.
-PeopleMean as_exp(const PeopleMean& mean) {
-    PeopleMean out = mean;
-    out.mean = std::exp(mean.mean);
-    if (out.interval) {
-        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
-    }
-    return out;
-}
-
 }  // namespace
 
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -268,10 +258,15 @@ PairedPanel pairs_of(const Rows& rows,
                 values.push_back(scale == Scale::logarithms ? std::log(mine[f]) : mine[f]);
             }
         }
-        all.means.push_back(values.empty() ? std::nullopt
-                                           : std::optional(mean_over_people(values)));
-        if (all.means.back() && scale == Scale::logarithms) {
-            all.means.back() = as_exp(*all.means.back());
+        auto& mean = all.means.emplace_back();
+        if (!values.empty()) {
+            mean = mean_over_people(values);
+        }
+        if (mean && scale == Scale::logarithms) {  // on the scale of the page
+            mean->mean = std::exp(mean->mean);
+            if (auto& ends = mean->interval) {
+                ends = Interval{std::exp(ends->low), std::exp(ends->high)};
+            }
         }
     }
     return all;
