@@ -135,14 +135,11 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
         while (named < one.size() && one[named][named] > 0) {
             ++named;
         }
-        const bool answered = std::ranges::any_of(one, [](const auto& row) {
-            return std::ranges::any_of(row, [](std::int64_t n) { return n > 0; });
-        });
         const bool all = named == one.size();
         person.similarity.push_back(all ? std::optional(fit_similarity(one)) : std::nullopt);
         person.no_similarity.push_back(
             all ? ""
-            : answered
+            : answered(one)
                 ? fmt::format("{} was never called by its name: unbounded", report.names[named])
                 : "no answers");
     }

@@ -165,10 +165,10 @@ Maximum add_intervals(ThurstoneFit& fit,
         const double at = top.at[layout.sigma(f)];
         const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
         const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
-        part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::unknown
-                 : sharp                                       ? SigmaEnd::sharp
-                 : blunt                                       ? SigmaEnd::blunt
-                                                               : SigmaEnd::both;
+        part.end = !answered(model.counts(f)) || (sharp && blunt) ? SigmaEnd::unknown
+                 : sharp                                          ? SigmaEnd::sharp
+                 : blunt                                          ? SigmaEnd::blunt
+                                                                  : SigmaEnd::both;
         part.sigma_interval =
             Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
         if (spec.relative && f > 0) {

@@ -46,18 +46,10 @@ void add_confusion(PageWriter& page, const Study& study, const StatsReport& stat
                       .title = "What was felt and what it was called",
                       .data = study.ask(page_query("confusion"))};
     const std::vector<std::string> felt = figure.data.levels("felt");
-    std::vector<std::string> called;
-    const std::vector<std::string> all = figure.data.levels("called");
-    for (const std::string& one : felt) {
-        if (std::ranges::find(all, one) != all.end()) {
-            called.push_back(one);
-        }
-    }
-    for (const std::string& one : all) {
-        if (std::ranges::find(called, one) == called.end()) {
-            called.push_back(one);
-        }
-    }
+    std::vector<std::string> called = figure.data.levels("called");
+    std::ranges::stable_sort(called, {}, [&](const std::string& one) {  // what was felt first
+        return std::ranges::find(felt, one) - felt.begin();
+    });
     figure.html = "<div class=\"matrices\">\n";
     for (const std::string& friction : stats.table.frictions) {
         figure.html += matrix_html(figure.data, friction, felt, called);
