@@ -24,8 +24,8 @@ struct Optimum {
                             const CurveMask& free,
                             double tolerance = 1e-12);
 
-[[nodiscard]] double dot(const CurvePoint& a, const CurvePoint& b);
-[[nodiscard]] CurvePoint times(const CurveMatrix& matrix, const CurvePoint& vector);
+[[nodiscard]] double dot(const CurvePoint& a, const CurvePoint& b);  ///< the sum of a[i] b[i]
+[[nodiscard]] CurvePoint times(const CurveMatrix& matrix, const CurvePoint& vector);  ///< M v
 
 /// A step of Fisher scoring.
 struct DampedStep {

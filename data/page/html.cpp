@@ -143,14 +143,6 @@ std::string bytes_of(std::span<const std::int64_t> values, int order) {
 
 }  // namespace
 
-std::string replaced(std::string text, std::string_view from, std::string_view to) {
-    for (std::size_t at = text.find(from); at != std::string::npos;
-         at = text.find(from, at + to.size())) {
-        text.replace(at, from.size(), to);
-    }
-    return text;
-}
-
 std::string html_text(std::string_view text) {
     return xml_escaped(plain(std::string(text), Lines::kept));
 }

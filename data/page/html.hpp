@@ -37,8 +37,6 @@ struct PageFigure {
     std::vector<Results> results{};
 };
 
-/// Each `from` of a text as `to`.
-[[nodiscard]] std::string replaced(std::string text, std::string_view from, std::string_view to);
 /// Text of any kind between tags.
 [[nodiscard]] std::string html_text(std::string_view text);
 /// "P05, sub-1" stays; "0.41999999" becomes "0.4200"; whole numbers stay.

@@ -14,7 +14,6 @@
 
 #include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/page/html.hpp"
 #include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
@@ -29,6 +28,14 @@ std::string_view page_query(std::string_view name) {
     query.remove_prefix(at + head.size());
     query = query.substr(0, query.find("\n\n--"));
     return query.ends_with('\n') ? query.substr(0, query.size() - 1) : query;
+}
+
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size())) {
+        text.replace(at, from.size(), to);
+    }
+    return text;
 }
 
 namespace {

@@ -28,6 +28,9 @@ struct PageOptions {
 /// A query of queries.sql, as it stands there. @throws std::logic_error if there is none
 [[nodiscard]] std::string_view page_query(std::string_view name);
 
+/// Each `from` of a text as `to`.
+[[nodiscard]] std::string replaced(std::string text, std::string_view from, std::string_view to);
+
 /// The rows of a query, to the byte as `palpate sql FILE --csv -c SQL` prints them.
 struct Rows {
     std::string sql{};
