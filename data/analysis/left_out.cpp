@@ -18,36 +18,22 @@ namespace {
 using protocols::ExclusionSpec;
 using protocols::Protocol;
 
-using People = std::map<std::string, Judgement>;
-
-void count_answers(Database& database, std::int64_t study, std::string_view kind, People& people) {
-    Statement session = database.prepare(
-        "SELECT participant_code, sum(finished = 0) FROM session JOIN participant USING "
-        "(participant_id) WHERE study_id = ?1 AND session_kind = ?2 GROUP BY participant_code",
-        study, kind);
-    while (session.step()) {
-        Judgement& one = people[session.text(0)];
-        one.participant = session.text(0);
-        one.unfinished = session.integer(1);
-    }
-    Statement row = database.prepare(
-        "SELECT participant_code, count(*), sum(invalid_reason IS NOT NULL), sum(invalid_reason IS "
-        "NULL AND correct), sum(invalid_reason IS NULL AND outcome = 'timed_out'), "
-        "sum(invalid_reason IS NULL AND correct IS NOT NULL) FROM trial JOIN "
-        "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
-        "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
-        "= ?2 AND phase = 'main' GROUP BY participant_code",
-        study, kind);
-    while (row.step()) {
-        Judgement& one = people.at(row.text(0));
-        one.answers = row.integer(1);
-        one.invalid = row.integer(2);
-        one.main = one.answers - one.invalid;
-        one.correct = row.integer(3);
-        one.timed_out = row.integer(4);
-        one.judged = row.integer(5);
-    }
-}
+/// A row a participant with a session: sessions begun and not finished; answers in main trials,
+/// which of them do not count; of those that count how many are correct, timed out, and right or
+/// wrong.
+constexpr std::string_view kCounts = R"sql(
+WITH one AS (SELECT session_id, participant_id, finished FROM session WHERE study_id = ?1 AND session_kind = ?2),
+answered AS (
+    SELECT participant_id, count(*) AS answers, sum(invalid_reason IS NOT NULL) AS invalid,
+           sum(invalid_reason IS NULL AND correct) AS correct,
+           sum(invalid_reason IS NULL AND outcome = 'timed_out') AS timed_out,
+           sum(invalid_reason IS NULL AND correct IS NOT NULL) AS judged
+    FROM one JOIN trial USING (session_id) JOIN response USING (trial_id)
+         JOIN plan USING (session_id, plan_position)
+    WHERE phase = 'main' GROUP BY participant_id)
+SELECT participant_code, sum(finished = 0), answers, invalid, correct, timed_out, judged
+FROM one JOIN participant USING (participant_id) LEFT JOIN answered USING (participant_id)
+GROUP BY participant_code)sql";
 
 /// The picture that whoever attends chooses for an object that is not pictured. All are of two
 /// curves, as catch_correct_min needs it.
@@ -67,48 +53,52 @@ std::string outermost(const Protocol& protocol, const std::string& felt) {
     return extreme == nullptr ? "" : extreme->name;
 }
 
-void count_catches(Database& database,
-                   std::int64_t study,
-                   std::string_view kind,
-                   const Protocol& protocol,
-                   People& people) {
-    Statement row = database.prepare(
-        "SELECT participant_code, plan.planned_object, response.chosen_object FROM trial JOIN "
-        "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
-        "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
-        "= ?2 AND phase = 'catch' AND invalid_reason IS NULL",
-        study, kind);
-    while (row.step()) {
-        Judgement& one = people.at(row.text(0));
-        ++one.catches;
-        one.catches_right += row.text(2) == outermost(protocol, row.text(1)) ? 1 : 0;
+/// Catch trials of a participant with an answer that counts.
+struct Catches {
+    std::int64_t all = 0;
+    std::int64_t right = 0;
+};
+
+std::map<std::string, Catches> catches_of(Database& database,
+                                          std::int64_t study,
+                                          std::string_view kind,
+                                          const Protocol& protocol) {
+    std::map<std::string, Catches> people;
+    for (const Statement& row : database.prepare(
+             "SELECT participant_code, plan.planned_object, response.chosen_object FROM trial JOIN "
+             "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session "
+             "USING (session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND "
+             "session_kind = ?2 AND phase = 'catch' AND invalid_reason IS NULL",
+             study, kind)) {
+        Catches& one = people[row.text(0)];
+        ++one.all;
+        one.right += row.text(2) == outermost(protocol, row.text(1)) ? 1 : 0;
     }
+    return people;
 }
 
-/// @param max  the share is not to be above it; else not below
-void check_share(Judgement& one,
-                 std::string_view rule,
-                 std::int64_t some,
-                 std::int64_t all,
-                 double extreme,
-                 bool max) {
-    const double share = static_cast<double>(some) / static_cast<double>(all);
-    if (all > 0 && (max ? share > extreme : share < extreme)) {
-        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, {} {}", rule, some, all, share,
-                                         max ? "above" : "below", extreme));
+/// @param row  of kCounts
+Judgement judged(const Statement& row, const Catches& catches, const ExclusionSpec& rules) {
+    Judgement one{.participant = row.text(0)};
+    const auto check = [&](std::string_view rule, std::int64_t some, std::int64_t all,
+                           double extreme, bool is_max) {
+        const double share = static_cast<double>(some) / static_cast<double>(all);
+        if (all > 0 && (is_max ? share > extreme : share < extreme)) {
+            one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, {} {}", rule, some, all, share,
+                                             is_max ? "above" : "below", extreme));
+        }
+    };
+    const std::int64_t answers = row.integer(2);
+    const std::int64_t invalid = row.integer(3);
+    check("catch_correct_min", catches.right, catches.all, rules.catch_correct_min, false);
+    check("share_correct_min", row.integer(4), row.integer(6), rules.share_correct_min, false);
+    check("timed_out_share_max", row.integer(5), answers - invalid, rules.timed_out_share_max,
+          true);
+    check("invalid_share_max", invalid, answers, rules.invalid_share_max, true);
+    if (rules.sessions_finished && row.integer(1) > 0) {
+        one.broken.push_back("sessions_finished: " + counted(row.integer(1), "is not", "are not"));
     }
-}
-
-void apply(const ExclusionSpec& rules, Judgement& one) {
-    check_share(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min,
-                false);
-    check_share(one, "share_correct_min", one.correct, one.judged, rules.share_correct_min, false);
-    check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max,
-                true);
-    check_share(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max, true);
-    if (rules.sessions_finished && one.unfinished > 0) {
-        one.broken.push_back("sessions_finished: " + counted(one.unfinished, "is not", "are not"));
-    }
+    return one;
 }
 
 /// A row a session, those that analyses do not see too.
@@ -209,15 +199,13 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
         } catch (const protocols::ProtocolError&) {
             continue;  // palpate verify says it
         }
-        People people;
-        count_answers(database, row.integer(0), kind, people);
-        if (protocol.exclusion.catch_correct_min > 0.0) {
-            count_catches(database, row.integer(0), kind, protocol, people);
-        }
         found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
-        for (auto& [code, one] : people) {
-            apply(protocol.exclusion, one);
-            found.all.push_back(std::move(one));
+        std::map<std::string, Catches> catches;
+        if (protocol.exclusion.catch_correct_min > 0.0) {
+            catches = catches_of(database, row.integer(0), kind, protocol);
+        }
+        for (const Statement& one : database.prepare(kCounts, row.integer(0), kind)) {
+            found.all.push_back(judged(one, catches[one.text(0)], protocol.exclusion));
         }
     }
     std::ranges::stable_sort(found.all, {}, &Judgement::participant);

@@ -25,15 +25,12 @@ struct Pairs {
     std::optional<Interval> own;  ///< of the only person's trials
 };
 
-Pairs pairs_of(const PeopleTable& table,
-               const std::set<std::string>& left_out,
-               const std::string& first,
-               const std::string& other) {
+Pairs pairs_of(const PeopleTable& table, const std::string& first, const std::string& other) {
     Pairs pairs;
     for (const auto& [person, has] : table.people) {
         const auto a = has.find(first);
         const auto b = has.find(other);
-        if (left_out.contains(person) || a == has.end() || b == has.end()) {
+        if (a == has.end() || b == has.end()) {
             continue;
         }
         pairs.differences.push_back(b->second.mean - a->second.mean);
@@ -46,7 +43,8 @@ Pairs pairs_of(const PeopleTable& table,
 }
 
 /// What so few people cannot show; empty for others.
-std::string limit_text(std::size_t people, const PeopleTable& table) {
+std::string limit_text(const PeopleTable& table) {
+    const std::size_t people = table.people.size();
     const double least = std::ldexp(1.0, 1 - static_cast<int>(people));
     return people < 2 || least <= 0.05 || table.conditions.size() < 2
              ? std::string()
@@ -55,7 +53,7 @@ std::string limit_text(std::size_t people, const PeopleTable& table) {
                    people, least);
 }
 
-Table persons_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+Table persons_table(const PeopleTable& table) {
     Table made{
         .place = "people/*/*",
         .title = fmt::format("  {}, person by person{}", table.what,
@@ -70,7 +68,7 @@ Table persons_table(const PeopleTable& table, const std::set<std::string>& left_
     for (const auto& [person, has] : table.people) {
         for (const std::string& condition : table.conditions) {
             const auto own = has.find(condition);
-            if (own == has.end() || left_out.contains(person)) {
+            if (own == has.end()) {
                 continue;
             }
             const auto& [mean, sum, n] = own->second;
@@ -82,7 +80,7 @@ Table persons_table(const PeopleTable& table, const std::set<std::string>& left_
     return made;
 }
 
-Table means_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+Table means_table(const PeopleTable& table) {
     Table made{.place = "means/*",
                .title = fmt::format("  {}, mean over people (95 % interval over people, t{})",
                                     table.what, table.share ? " of the logit" : ""),
@@ -94,7 +92,7 @@ Table means_table(const PeopleTable& table, const std::set<std::string>& left_ou
         std::vector<double> values;
         for (const auto& [person, has] : table.people) {
             const auto own = has.find(condition);
-            if (own != has.end() && !left_out.contains(person)) {
+            if (own != has.end()) {
                 values.push_back(own->second.mean);
             }
         }
@@ -111,17 +109,15 @@ Table means_table(const PeopleTable& table, const std::set<std::string>& left_ou
 }
 
 /// Each condition against the first, within person.
-Table differences_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+Table differences_table(const PeopleTable& table) {
     Table made{.place = "differences/*",
                .title = "  within person",
                .columns = heads({"comparison| ", "mean", "interval_95|interval", "people",
                                  "sign_flip_p|sign-flip p|p",
                                  "own_95|of this person's own trials (Newcombe), not of people"})};
-    const auto kept = std::ranges::count_if(
-        table.people, [&](const auto& one) { return !left_out.contains(one.first); });
     for (std::size_t i = 1; i < table.conditions.size(); ++i) {
         const std::string& other = table.conditions[i];
-        const Pairs pairs = pairs_of(table, left_out, table.conditions.front(), other);
+        const Pairs pairs = pairs_of(table, table.conditions.front(), other);
         const std::size_t n = pairs.differences.size();
         const Named name{other, fmt::format("{} - {}", other, table.conditions.front())};
         if (n == 0) {
@@ -141,8 +137,7 @@ Table differences_table(const PeopleTable& table, const std::set<std::string>& l
                            : "1,000,000 drawn"));
         }
     }
-    if (const std::string limit = limit_text(static_cast<std::size_t>(kept), table);
-        !limit.empty()) {
+    if (const std::string limit = limit_text(table); !limit.empty()) {
         made.notes.push_back(limit);
     }
     return made;
@@ -168,15 +163,6 @@ Asks asks(Database& database, const Group& group) {
     }
 }
 
-std::vector<std::string> names(Database& database, const Group& group, const std::string& order) {
-    return texts(database.prepare(
-        "SELECT " + order.substr(0, order.find(' ')) +
-            " FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
-            "study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY " +
-            order.substr(order.find(' ') + 1),
-        group.study, group.kind));
-}
-
 /// @param object  empty: of all objects
 PeopleTable table_of(Database& database,
                      const Group& group,
@@ -186,7 +172,7 @@ PeopleTable table_of(Database& database,
     PeopleTable table{.what = title,
                       .factor = "friction",
                       .share = what != Asks::level,
-                      .conditions = names(database, group, "friction min(mu_s), friction")};
+                      .conditions = planned(database, group, "friction", "mu_s")};
     const std::string value = what == Asks::correct ? "analysis_trial.correct"
                             : what == Asks::yes     ? "answer_code"
                                                     : "answer_code + 1";
@@ -209,29 +195,45 @@ PeopleTable table_of(Database& database,
 
 }  // namespace
 
-std::string people_text(const PeopleTable& table, const std::set<std::string>& left_out) {
-    return table_text(means_table(table, left_out)) +
-           table_text(differences_table(table, left_out));
+PeopleTable without(PeopleTable table, const std::set<std::string>& left_out) {
+    std::erase_if(table.people, [&](const auto& one) { return left_out.contains(one.first); });
+    return table;
 }
 
-Json people_json(const PeopleTable& table, const std::set<std::string>& left_out) {
+std::string people_text(const PeopleTable& table) {
+    return table_text(means_table(table)) + table_text(differences_table(table));
+}
+
+Json people_json(const PeopleTable& table) {
     Json all = {{"what", table.what},       {"factor", table.factor},
                 {"people", Json::object()}, {"means", Json::object()},
                 {"less", Json(nullptr)},    {"differences", Json::object()}};
     if (table.conditions.size() > 1) {
         all["less"] = table.conditions.front();
     }
-    put_table(all, persons_table(table, left_out));
-    put_table(all, means_table(table, left_out));
-    put_table(all, differences_table(table, left_out));
+    for (const Table& one : {persons_table(table), means_table(table), differences_table(table)}) {
+        put_table(all, one);
+    }
     return all;
+}
+
+std::vector<std::string> planned(Database& database,
+                                 const Group& group,
+                                 const std::string& what,
+                                 const std::string& by) {
+    return texts(database.prepare(
+        fmt::format("SELECT {0} FROM plan JOIN session USING (session_id) JOIN study USING "
+                    "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' "
+                    "GROUP BY 1 ORDER BY min({1}), {0}",
+                    what, by),
+        group.study, group.kind));
 }
 
 std::vector<PeopleTable> answers_tables(Database& database, const Group& group) {
     const Asks what = asks(database, group);
     std::vector<std::string> objects{""};
     if (what != Asks::correct) {
-        objects = names(database, group, "planned_object min(curvature_per_m), planned_object");
+        objects = planned(database, group, "planned_object", "curvature_per_m");
     }
     std::vector<PeopleTable> tables;
     for (const std::string& object : objects) {
@@ -251,9 +253,9 @@ std::string answers_text(Database& database,
     std::string text;
     for (const PeopleTable& table : answers_tables(database, group)) {
         if (left_out.empty()) {
-            text += table_text(persons_table(table, left_out));
+            text += table_text(persons_table(table));
         }
-        text += people_text(table, left_out);
+        text += people_text(without(table, left_out));
     }
     return text;
 }

@@ -39,11 +39,17 @@ struct PeopleTable {
 /// against the first: the difference within a person, its interval, and an exact sign-flip p. With
 /// one person the difference is that of their own trials, and it says that nothing follows for
 /// others.
-[[nodiscard]] std::string people_text(const PeopleTable& table,
-                                      const std::set<std::string>& left_out);
-
+[[nodiscard]] std::string people_text(const PeopleTable& table);
 /// The same for programs, with each person's own.
-[[nodiscard]] Json people_json(const PeopleTable& table, const std::set<std::string>& left_out);
+[[nodiscard]] Json people_json(const PeopleTable& table);
+/// The table of the others.
+[[nodiscard]] PeopleTable without(PeopleTable table, const std::set<std::string>& left_out);
+
+/// What the plans of main trials have of a column, all of it, by the least number of another.
+[[nodiscard]] std::vector<std::string> planned(Database& database,
+                                               const Group& group,
+                                               const std::string& what,
+                                               const std::string& by);
 
 /// Of main trials without a rule, by friction: the share correct; of yes/no answers the share of
 /// yes and of ratings the mean level, object by object. Person by person (unless somebody is left

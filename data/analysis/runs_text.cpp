@@ -60,15 +60,10 @@ bool of_a_share(std::string_view name) {
     return name == "lapse" || name == "guess";
 }
 
-/// Of a session, a run of its rule: the first cells of a row.
-std::vector<Cell> cells_of(const Run& run) {
-    return {run.person, run.number, run.name};
-}
-
-void add_row(Table& table, const Run& run, std::vector<Cell> more) {
-    std::vector<Cell> row = cells_of(run);
+/// Of a session, a run of its rule: the first cells of a row, and more.
+void add_row(Table& table, const Run& run, const std::vector<Cell>& more) {
+    auto& row = table.rows.emplace_back(std::vector<Cell>{run.person, run.number, run.name});
     row.insert(row.end(), more.begin(), more.end());
-    table.rows.push_back(std::move(row));
 }
 
 /// A row for each run, with more columns.
@@ -299,7 +294,7 @@ std::string runs_text(const RuleRuns& found, const std::set<std::string>& left_o
         text = table_text(found.runs) + table_text(found.estimates) + table_text(found.shares);
     }
     for (const PeopleTable& table : found.means) {
-        text += people_text(table, left_out);
+        text += people_text(without(table, left_out));
     }
     return text;
 }

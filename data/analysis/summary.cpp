@@ -37,23 +37,6 @@ std::string title(const Group& group) {
     return text + "\n";
 }
 
-/// Everything felt in main trials, and everything that will be: from concave to convex.
-std::vector<std::string> objects(Database& database, const Group& group) {
-    return texts(database.prepare(
-        "SELECT planned_object FROM plan JOIN session USING (session_id) JOIN study USING "
-        "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY "
-        "planned_object ORDER BY min(curvature_per_m), planned_object",
-        group.study, group.kind));
-}
-
-/// The longest of the texts, at least `least`.
-std::size_t width_of(const std::vector<std::string>& texts, std::size_t least) {
-    for (const std::string& text : texts) {
-        least = std::max(least, text.size());
-    }
-    return least;
-}
-
 /// How often what was felt was taken for what.
 using Confusion = std::map<std::pair<std::string, std::string>, std::int64_t>;
 
@@ -82,13 +65,18 @@ std::string confusion_text(Database& database, const Group& group) {
     if (shown.empty()) {
         return {};
     }
-    const std::vector<std::string> names = objects(database, group);
+    // Everything felt in main trials, and everything that will be: from concave to convex.
+    const std::vector<std::string> names =
+        planned(database, group, "planned_object", "curvature_per_m");
     std::vector<std::string> answers = names;
     std::ranges::copy_if(shown, std::back_inserter(answers), [&](const std::string& picture) {
         return std::ranges::find(names, picture) == names.end();
     });
     Confusion counts = confusion_of(database, group);
-    const std::size_t width = width_of(answers, 4);
+    std::size_t width = std::string_view("felt").size();
+    for (const std::string& name : answers) {
+        width = std::max(width, name.size());
+    }
     std::string text = fmt::format("\n  {:<{}}   chosen\n  {:<{}}", "", width, "felt", width);
     for (const std::string& name : answers) {
         text += fmt::format("  {:>{}}", name, width);
@@ -276,8 +264,8 @@ std::string summary_json(Database& database) {
         }
         for (const auto& tables : {answers_tables(database, group), runs.means}) {
             for (const PeopleTable& table : tables) {
-                one["applied"].push_back(people_json(table, excluded));
-                one["not_applied"].push_back(people_json(table, {}));
+                one["applied"].push_back(people_json(without(table, excluded)));
+                one["not_applied"].push_back(people_json(table));
             }
         }
         all["studies"].push_back(std::move(one));

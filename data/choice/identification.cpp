@@ -116,16 +116,6 @@ ThurstoneChange change_of(const std::vector<CallCounts>& counts,
             .shift_p = p_against(full, fit_thurstone(counts, still), part.shift_loss)};
 }
 
-/// The first item that was never called by its name.
-std::string never_named(const IdentificationReport& report, const CallCounts& counts) {
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-        if (counts[i][i] == 0) {
-            return report.names[i];
-        }
-    }
-    return {};
-}
-
 IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject) {
     const ThurstoneSpec spec{.items = report.values, .lapse = report.options.lapse};
     IdentifiedPerson person{.name = report.table.subjects[subject],
@@ -141,18 +131,17 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
             change_of(person.counts, spec, full, f, person.thurstone.parts[f]));
     }
     for (const CallCounts& one : person.counts) {
-        const std::string unnamed = never_named(report, one);
-        const bool answered = std::ranges::any_of(one, [](const auto& row) {
-            return std::ranges::any_of(row, [](std::int64_t n) { return n > 0; });
-        });
-        person.no_similarity.push_back(
-            unnamed.empty() ? ""
-            : answered      ? fmt::format("{} was never called by its name: unbounded", unnamed)
-                            : "no answers");
-        person.similarity.emplace_back();
-        if (unnamed.empty()) {
-            person.similarity.back() = fit_similarity(one);
+        std::size_t named = 0;  // items before the first that was never called by its name
+        while (named < one.size() && one[named][named] > 0) {
+            ++named;
         }
+        const bool all = named == one.size();
+        person.similarity.push_back(all ? std::optional(fit_similarity(one)) : std::nullopt);
+        person.no_similarity.push_back(
+            all ? ""
+            : answered(one)
+                ? fmt::format("{} was never called by its name: unbounded", report.names[named])
+                : "no answers");
     }
     return person;
 }
@@ -251,11 +240,11 @@ std::string why_unbounded(SigmaEnd end) {
 
 std::map<std::string, double> item_values(Database& database, const std::string& study) {
     std::map<std::string, double> values;
-    Statement row = database.prepare(
-        "SELECT DISTINCT planned_object, curvature_per_m FROM plan JOIN session USING (session_id) "
-        "JOIN study USING (study_id) WHERE study_name = ?1 AND curvature_per_m IS NOT NULL",
-        study);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(
+             "SELECT DISTINCT planned_object, curvature_per_m FROM plan JOIN session USING "
+             "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND curvature_per_m "
+             "IS NOT NULL",
+             study)) {
         values[row.text(0)] = row.real(1);
     }
     return values;

@@ -39,20 +39,15 @@ void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
 }
 
 /// What holding one parameter elsewhere costs, walked from the maximum outward.
-class Profile {
-public:
-    Profile(const Model& model,
-            const ThurstoneSpec& spec,
-            const Maximum& top,
-            const std::vector<Parameters>& starts,
-            std::size_t parameter,
-            Maximum& seen)
-        : model_(model),
-          spec_(spec),
-          top_(top),
-          starts_(starts),
-          parameter_(parameter),
-          seen_(seen) {}
+struct Profile {
+    const Model& model;
+    const ThurstoneSpec& spec;
+    const Maximum& top;
+    const std::vector<Parameters>& starts;
+    std::size_t parameter;
+    Maximum& seen;  ///< the highest
+    Parameters near{};
+    std::vector<Parameters> ends{};
 
     struct Edge {
         std::optional<double> at{};  ///< where the loss is that of 95 %; nothing: it never is
@@ -61,8 +56,8 @@ public:
 
     /// From the maximum to `end`, or to where the loss is too large.
     Edge edge(double step, double end) {
-        near_ = top_.at;
-        const double start = top_.at[parameter_];
+        near = top.at;
+        const double start = top.at[parameter];
         double left = start;
         double loss_left = 0.0;
         const double sign = step < 0.0 ? -1.0 : 1.0;
@@ -76,7 +71,7 @@ public:
             if (loss >= kLoss95) {
                 const double at = between_edges(left, loss_left, right, loss);
                 const double lower = loss_over_hills();
-                ends_.push_back(near_);
+                ends.push_back(near);
                 if (lower >= kLoss95 - kNoLoss || ++hills > 2) {
                     return {at, loss};
                 }
@@ -85,7 +80,7 @@ public:
                 continue;
             }
             if (right == end) {
-                ends_.push_back(near_);
+                ends.push_back(near);
                 return {std::nullopt, loss};
             }
             left = right;
@@ -97,39 +92,38 @@ public:
     /// a lower hill.
     double loss_at_none() {
         Maximum best;
-        for (const std::vector<Parameters>* all : {&starts_, &std::as_const(ends_)}) {
+        for (const std::vector<Parameters>* all : {&starts, &std::as_const(ends)}) {
             for (Parameters start : *all) {
-                start[parameter_] = 0.0;
-                take_higher(best, climb(model_, std::move(start), parameter_));
+                start[parameter] = 0.0;
+                take_higher(best, climb(model, std::move(start), parameter));
             }
         }
         return loss_of(best);
     }
 
-private:
     double loss_at(double place) {
-        near_[parameter_] = place;
-        Maximum found = climb(model_, near_, parameter_);
-        if (top_.value - found.value >= kLoss95) {  // a walk may end on a lower hill
-            for (Parameters start : starts_) {
-                start[parameter_] = place;
-                take_higher(found, climb(model_, std::move(start), parameter_));
+        near[parameter] = place;
+        Maximum found = climb(model, near, parameter);
+        if (top.value - found.value >= kLoss95) {  // a walk may end on a lower hill
+            for (Parameters start : starts) {
+                start[parameter] = place;
+                take_higher(found, climb(model, std::move(start), parameter));
             }
         }
-        near_ = found.at;
+        near = found.at;
         return loss_of(found);
     }
 
     /// Where the walk is.
     double loss_over_hills() {
-        const Maximum found = over_hills(model_, spec_, {near_, model_.value(near_)}, parameter_);
-        near_ = found.at;
+        const Maximum found = over_hills(model, spec, {near, model.value(near)}, parameter);
+        near = found.at;
         return loss_of(found);
     }
 
     double loss_of(const Maximum& found) {
-        take_higher(seen_, found);
-        return std::max(top_.value - found.value, 0.0);
+        take_higher(seen, found);
+        return std::max(top.value - found.value, 0.0);
     }
 
     /// The root of the loss is nearly a straight line: false position on it, halving at times.
@@ -150,15 +144,6 @@ private:
         }
         return 0.5 * (left + right);
     }
-
-    const Model& model_;
-    const ThurstoneSpec& spec_;
-    const Maximum& top_;
-    const std::vector<Parameters>& starts_;
-    std::size_t parameter_;
-    Maximum& seen_;
-    Parameters near_{};
-    std::vector<Parameters> ends_{};
 };
 
 /// Gives back the highest that was seen: above `top` where that was a lower hill.
@@ -174,23 +159,23 @@ Maximum add_intervals(ThurstoneFit& fit,
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart& part = fit.parts[f];
         const Interval limits = sigma_limits(spec, spec.relative && f > 0);
-        Profile sigma(model, spec, top, starts, layout.sigma(f), seen);
+        Profile sigma{model, spec, top, starts, layout.sigma(f), seen};
         const Profile::Edge low = sigma.edge(-0.4, limits.low);
         const Profile::Edge high = sigma.edge(0.4, limits.high);
         const double at = top.at[layout.sigma(f)];
         const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
         const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
-        part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::unknown
-                 : sharp                                       ? SigmaEnd::sharp
-                 : blunt                                       ? SigmaEnd::blunt
-                                                               : SigmaEnd::both;
+        part.end = !answered(model.counts(f)) || (sharp && blunt) ? SigmaEnd::unknown
+                 : sharp                                          ? SigmaEnd::sharp
+                 : blunt                                          ? SigmaEnd::blunt
+                                                                  : SigmaEnd::both;
         part.sigma_interval =
             Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
         if (spec.relative && f > 0) {
             part.ratio_loss = sigma.loss_at_none();
         }
         if (layout.shifts(f)) {
-            Profile shift(model, spec, top, starts, layout.shift(f), seen);
+            Profile shift{model, spec, top, starts, layout.shift(f), seen};
             const double step = 0.1 * range;
             const Profile::Edge down = shift.edge(-step, -kFarShift * range);
             const Profile::Edge up = shift.edge(step, kFarShift * range);

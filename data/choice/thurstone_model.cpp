@@ -19,21 +19,26 @@ double above(double z) {
     return 0.5 * std::erfc(z * std::numbers::sqrt2 / 2.0);
 }
 
-/// Of the standard normal distribution at z.
-double density(double z) {
-    return std::isinf(z) ? 0.0 : std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-}
-
 }  // namespace
 
 /// Where the place of a response ends for one item: sigmas from the percept's mean.
 struct Edge {
     double z = 0.0;
     double tail = 0.0;     ///< P(beyond it), on the side away from the mean
-    double density = 0.0;  ///< at z; 0 unless slopes are asked for
+    double density = 0.0;  ///< at z; 0 unless slopes are asked for, and without end
 
-    Edge(double at, bool slopes)
-        : z(at), tail(above(std::fabs(at))), density(slopes ? thurstone::density(at) : 0.0) {}
+    Edge(double at, bool slopes) : z(at), tail(above(std::fabs(at))) {
+        if (slopes && !std::isinf(at)) {
+            density = std::exp(-0.5 * at * at) / std::sqrt(2.0 * std::numbers::pi);
+        }
+    }
+
+    /// P(percept from here to there) without loss in either tail.
+    [[nodiscard]] double to(const Edge& high) const {
+        return z > 0.0 ? tail - high.tail : (high.z > 0.0 ? above(-high.z) : high.tail) - tail;
+    }
+    /// z * density; 0 without end.
+    [[nodiscard]] double pull() const { return std::isinf(z) ? 0.0 : z * density; }
 };
 
 /// What value() computes of one row after the other.
@@ -41,21 +46,6 @@ struct Model::Row {
     std::vector<Edge> edges{};  ///< of the places of responses in use, and the last one's end
     Parameters slope{};         ///< of a place's share, by each parameter
 };
-
-namespace {
-
-/// P(percept from low to high) without loss in either tail.
-double between(const Edge& low, const Edge& high) {
-    return low.z > 0.0 ? low.tail - high.tail
-                       : (high.z > 0.0 ? above(-high.z) : high.tail) - low.tail;
-}
-
-/// z * density; 0 without end.
-double pull(const Edge& edge) {
-    return std::isinf(edge.z) ? 0.0 : edge.z * edge.density;
-}
-
-}  // namespace
 
 double least_distance(const std::vector<double>& items) {
     double least = kInfinite;
@@ -119,8 +109,8 @@ double Model::row_value(const Parameters& at,
         const Edge& low = row.edges[j];
         const Edge& high = row.edges[j + 1];
         const auto given = static_cast<double>(counts[layout_.used[j]]);
-        const double p = (1.0 - spec_.lapse) * between(low, high) +
-                         spec_.lapse / static_cast<double>(counts.size());
+        const double p =
+            (1.0 - spec_.lapse) * low.to(high) + spec_.lapse / static_cast<double>(counts.size());
         sum += given > 0.0 ? given * std::log(p) : 0.0;
         if (gradient == nullptr || !(p > 0.0)) {
             continue;
@@ -133,7 +123,7 @@ double Model::row_value(const Parameters& at,
         if (j > 0) {
             slope[j - 1] -= scale * low.density;
         }
-        const double pulled = (1.0 - spec_.lapse) * (pull(high) - pull(low));
+        const double pulled = (1.0 - spec_.lapse) * (high.pull() - low.pull());
         slope[layout_.sigma(f)] -= pulled;
         if (spec_.relative && f > 0) {
             slope[layout_.sigma(0)] -= pulled;

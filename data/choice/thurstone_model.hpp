@@ -13,6 +13,13 @@ namespace palpate::data {
 /// How often each item (row) was called each response (column), both in order of what is judged.
 using CallCounts = std::vector<std::vector<std::int64_t>>;
 
+/// There is an answer.
+[[nodiscard]] inline bool answered(const CallCounts& counts) {
+    return std::ranges::any_of(counts, [](const auto& row) {
+        return std::ranges::any_of(row, [](std::int64_t n) { return n > 0; });
+    });
+}
+
 /// Ordered items that differ in one quantity.
 struct ThurstoneSpec {
     std::vector<double> items{};  ///< values of the rows, strictly increasing, 2 or more
@@ -92,14 +99,6 @@ public:
         layout_.conditions = counts.size();
         layout_.one_sigma = spec.one_sigma;
         layout_.no_shift = spec.no_shift;
-        for (const CallCounts& one : counts) {
-            double& answers = answers_.emplace_back(0.0);
-            for (const auto& row : one) {
-                for (const std::int64_t n : row) {
-                    answers += static_cast<double>(n);
-                }
-            }
-        }
     }
 
     /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one
@@ -118,7 +117,7 @@ public:
     }
 
     /// Of a condition.
-    [[nodiscard]] double answers(std::size_t f) const { return answers_[f]; }
+    [[nodiscard]] const CallCounts& counts(std::size_t f) const { return counts_[f]; }
 
     /// Of its parameters.
     [[nodiscard]] const Layout& layout() const { return layout_; }
@@ -149,7 +148,6 @@ private:
     const std::vector<CallCounts>& counts_;
     const ThurstoneSpec& spec_;
     Layout layout_{};
-    std::vector<double> answers_{};
 };
 
 /// Where the likelihood is highest, and its logarithm there.

@@ -49,33 +49,24 @@ void check(const CurveSpec& spec) {
     rate("guess rate", spec.guess, kMaxGuess);
     rate("lapse rate", spec.lapse, kMaxLapse);
     const auto prior = [](const char* what, const std::optional<Prior>& one, bool beta) {
-        if (one &&
-            !(std::isfinite(one->first) && std::isfinite(one->second) && one->second > 0.0)) {
-            throw std::invalid_argument(fmt::format(
-                "the prior of the {} is {}, {}: give finite numbers, the second above 0", what,
-                one->first, one->second));
-        }
-        if (one && beta && !(one->first >= 1.0 && one->second >= 1.0)) {
-            throw std::invalid_argument(
-                fmt::format("the prior of the {} is beta({}, {}): give two numbers from 1, so that "
-                            "its density is finite",
-                            what, one->first, one->second));
-        }
+        const auto [first, second] = one.value_or(Prior{1.0, 1.0});
+        refuse_if(!(std::isfinite(first) && std::isfinite(second) && second > 0.0),
+                  "the prior of the {} is {}, {}: give finite numbers, the second above 0", what,
+                  first, second);
+        refuse_if(beta && !(first >= 1.0 && second >= 1.0),
+                  "the prior of the {} is beta({}, {}): give two numbers from 1, so that its "
+                  "density is finite",
+                  what, first, second);
     };
     prior("threshold", spec.threshold_prior, false);
     prior("slope", spec.slope_prior, false);
     prior("guess rate", spec.guess_prior, true);
     prior("lapse rate", spec.lapse_prior, true);
-    if (spec.slope_prior && !(spec.slope_prior->first > 0.0)) {
-        throw std::invalid_argument(fmt::format(
-            "the prior median of the slope is {}: give one above 0", spec.slope_prior->first));
-    }
-    if (spec.threshold_prior && spec.family == Family::weibull &&
-        !(spec.threshold_prior->first > 0.0)) {
-        throw std::invalid_argument(
-            fmt::format("the prior median of a Weibull's threshold is {}: give one above 0",
-                        spec.threshold_prior->first));
-    }
+    const double slope = spec.slope_prior.value_or(Prior{1.0}).first;
+    refuse_if(!(slope > 0.0), "the prior median of the slope is {}: give one above 0", slope);
+    const double threshold = spec.threshold_prior.value_or(Prior{1.0}).first;
+    refuse_if(spec.family == Family::weibull && !(threshold > 0.0),
+              "the prior median of a Weibull's threshold is {}: give one above 0", threshold);
 }
 
 CoreValue core_value(Family family, double u) noexcept {

@@ -106,17 +106,32 @@ struct Tie {
     double share = 0.5;  ///< of F, for Kind::share
 };
 
-/// The log-likelihood of other answers for each lapse or guess rate that is one with theirs.
+/// The log-likelihood of other answers for each lapse or guess rate that is one with theirs: cubics
+/// through values and slopes, over the logarithm of the rate.
 class SharedRate {
 public:
-    virtual ~SharedRate() = default;
+    /// @param places  logarithms of rates, rising, two or more
+    explicit SharedRate(const std::vector<double>& places)
+        : places_(places), values_(places.size(), 0.0), slopes_(places.size(), 0.0) {}
+
+    /// More answers at a place: their log-likelihood, and its slope there.
+    void add(std::size_t i, double value, double slope) {
+        values_[i] += value;
+        slopes_[i] += slope;
+    }
+
     struct At {
         double value = 0.0;
         double slope = 0.0;
         double curvature = 0.0;
     };
     /// @param rate  between its ends
-    [[nodiscard]] virtual At at(double rate) const = 0;
+    [[nodiscard]] At at(double rate) const;
+
+private:
+    std::vector<double> places_;
+    std::vector<double> values_;
+    std::vector<double> slopes_;
 };
 
 /// What to do about a stimulus that no curve takes: not finite, beyond 1e100, below 0 for a

@@ -23,8 +23,7 @@ Series shares_of(const FittedCurve& curve, Ink ink) {
     for (const auto& [stimulus, nk] : counts) {
         if (nk.first > 0.0) {
             shares.sizes.push_back(std::min(1.5 + 0.8 * std::sqrt(nk.first), 9.0));
-            shares.x.push_back(stimulus);
-            shares.y.push_back(nk.second / nk.first);
+            shares.add(stimulus, nk.second / nk.first);
         }
     }
     return shares;
@@ -66,8 +65,8 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
     }
     Series line{.ink = ink};
     for (int i = 0; i <= kSteps; ++i) {
-        line.x.push_back(low + (high - low) * i / kSteps);
-        line.y.push_back(chance(spec, curve.fit.at, line.x.back()));
+        const double stimulus = low + (high - low) * i / kSteps;
+        line.add(stimulus, chance(spec, curve.fit.at, stimulus));
     }
     if (Band band = band_of(spec, curve, low, high); !band.x.empty()) {
         band.ink = ink;
@@ -80,10 +79,8 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
         const double y = chance(
             spec, curve.fit.at,
             std::isnan(threshold.value) ? off_axis(spec.family, curve.fit.at[0]) : threshold.value);
-        panel.series.push_back({.x = {threshold.profile->low, threshold.profile->high},
-                                .y = {y, y},
-                                .ink = ink,
-                                .width = 3.0});
+        panel.series.push_back(
+            interval_bar(threshold.profile->low, y, threshold.profile->high, y, ink));
     }
 }
 

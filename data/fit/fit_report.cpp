@@ -231,16 +231,19 @@ void compare(FitReport& report, const std::string& condition) {
             two.fit.shallow) {
             continue;
         }
-        Difference made{.participant = two.answers.participant, .condition = condition};
-        made.threshold = estimate_in(two, Quantity::threshold).value -
-                         estimate_in(*one, Quantity::threshold).value;
-        made.determined = !std::isnan(made.threshold) || one->fit.far || two.fit.far;
-        made.jnd = estimate_in(two, Quantity::jnd).value - estimate_in(*one, Quantity::jnd).value;
-        made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
-        made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
-        made.threshold_p = p_of_equal(report, *one, two, Quantity::threshold);
-        made.jnd_p = p_of_equal(report, *one, two, Quantity::jnd);
-        report.differences.push_back(made);
+        for (const Quantity quantity : {Quantity::threshold, Quantity::jnd}) {
+            const double value =
+                estimate_in(two, quantity).value - estimate_in(*one, quantity).value;
+            report.differences.push_back(
+                {.participant = two.answers.participant,
+                 .condition = condition,
+                 .quantity = quantity,
+                 .value = value,
+                 .determined =
+                     quantity == Quantity::jnd || !std::isnan(value) || one->fit.far || two.fit.far,
+                 .interval = interval_of_difference(spec, *one, two, quantity),
+                 .p = p_of_equal(report, *one, two, quantity)});
+        }
     }
 }
 

@@ -67,18 +67,16 @@ struct FittedCurve {
     std::vector<FitEstimate> estimates{};
 };
 
-/// Of one participant, a condition less the first.
+/// Of one participant, a quantity of a condition less that of the first.
 struct Difference {
     std::string participant{};
     std::string condition{};
-    double threshold = 0.0;  ///< NaN: one of the two is not determined, or unbounded
-    double jnd = 0.0;        ///< NaN: one of the two is unbounded
-    bool determined = true;  ///< both thresholds are
+    Quantity quantity = Quantity::threshold;  ///< or jnd
+    double value = 0.0;      ///< NaN: one of the two is not determined, or unbounded
+    bool determined = true;  ///< both are
     std::optional<Interval>
-        threshold_interval{};  ///< bootstrap, both drawn apart; none where a curve has none
-    std::optional<Interval> jnd_interval{};
-    double threshold_p = 1.0;  ///< equality_p
-    double jnd_p = 1.0;
+        interval{};  ///< bootstrap, both drawn apart; none where a curve has none
+    double p = 1.0;  ///< equality_p
 };
 
 /// Answers that cannot be fitted.

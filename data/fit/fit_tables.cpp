@@ -80,16 +80,12 @@ Table differences_table(const FitReport& report) {
                                   "difference|difference|s", "bootstrap_95|interval|so", "p|p|p"}),
                 .index = 3};
     for (const Difference& one : report.differences) {
-        const std::string comparison =
-            fmt::format("{} - {}", one.condition, report.conditions.front());
         table.rows.push_back(
-            {one.participant, comparison, Named{"threshold", "threshold"},
-             cell_of(one.threshold, one.determined ? "unbounded: that of a condition is"
-                                                   : "not determined: that of a condition is not"),
-             cell_of(one.threshold_interval), cell_of(one.threshold_p)});
-        table.rows.push_back({one.participant, comparison, Named{"jnd", "JND"},
-                              cell_of(one.jnd, "unbounded: that of a condition is"),
-                              cell_of(one.jnd_interval), cell_of(one.jnd_p)});
+            {one.participant, fmt::format("{} - {}", one.condition, report.conditions.front()),
+             Named{std::string(key_of(one.quantity)), std::string(word_of(one.quantity))},
+             cell_of(one.value, one.determined ? "unbounded: that of a condition is"
+                                               : "not determined: that of a condition is not"),
+             cell_of(one.interval), cell_of(one.p)});
     }
     return table;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -185,9 +186,7 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
             "{} of {} bootstrap samples hardly rise: their threshold and JND count as infinite",
             curve.samples.far, report.options.bootstrap));
     }
-    const double degrees =
-        static_cast<double>(curve.model.levels()) - static_cast<double>(fit.parameters);
-    if (degrees < 0.0) {
+    if (fit.parameters > static_cast<std::int64_t>(curve.model.levels())) {
         all.emplace_back(
             "there are more parameters than levels: other curves fit as well; give rates instead "
             "of free");
@@ -196,11 +195,8 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
 }
 
 std::int64_t answers_of(const FittedCurve& curve) {
-    double sum = 0.0;
-    for (const double n : curve.model.counts()) {
-        sum += n;
-    }
-    return static_cast<std::int64_t>(sum);
+    const auto counts = curve.model.counts();
+    return static_cast<std::int64_t>(std::accumulate(counts.begin(), counts.end(), 0.0));
 }
 
 bool single_answers(const FittedCurve& curve) {

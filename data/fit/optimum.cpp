@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,18 +21,6 @@ using protocols::exponential;
 /// Values closer than this are of one maximum.
 constexpr double kSameHill = 1e-6;
 
-/// A parameter at the end of its range that would leave it does not take part in a step.
-CurveMask inside(const CurveModel& model,
-                 const CurvePoint& at,
-                 const CurvePoint& gradient,
-                 CurveMask free) {
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        free[i] = free[i] && !(at[i] <= model.low()[i] && gradient[i] <= 0.0) &&
-                  !(at[i] >= model.high()[i] && gradient[i] >= 0.0);
-    }
-    return free;
-}
-
 CurvePoint within(const CurveModel& model, CurvePoint point, const CurveMask& free) {
     for (std::size_t i = 0; i < kCurveParameters; ++i) {
         if (free[i]) {
@@ -39,24 +28,6 @@ CurvePoint within(const CurveModel& model, CurvePoint point, const CurveMask& fr
         }
     }
     return point;
-}
-
-CurvePoint times(const CurveMatrix& matrix, const CurvePoint& vector) {
-    CurvePoint out{};
-    for (std::size_t r = 0; r < kCurveParameters; ++r) {
-        for (std::size_t c = 0; c < kCurveParameters; ++c) {
-            out[r] += matrix[r][c] * vector[c];
-        }
-    }
-    return out;
-}
-
-double dot(const CurvePoint& a, const CurvePoint& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        sum += a[i] * b[i];
-    }
-    return sum;
 }
 
 /// In how many levels a location is looked for by their shares; of more, every second, third ...
@@ -145,14 +116,9 @@ std::vector<std::vector<CurvePoint>> rows(const CurveModel& model,
     return all;
 }
 
-struct Start {
-    CurvePoint at{};
-    double value = 0.0;
-};
-
 /// The local maxima of a row; of equals the middle.
-std::vector<Start> tops_of(const std::vector<Start>& here) {
-    std::vector<Start> tops;
+std::vector<Optimum> tops_of(const std::vector<Optimum>& here) {
+    std::vector<Optimum> tops;
     for (std::size_t i = 0; i < here.size();) {
         std::size_t end = i + 1;
         while (end < here.size() && here[end].value == here[i].value) {
@@ -196,6 +162,36 @@ double bottom(const std::function<double(double)>& value, double low, double hig
 
 }  // namespace
 
+double dot(const CurvePoint& a, const CurvePoint& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+CurvePoint times(const CurveMatrix& matrix, const CurvePoint& vector) {
+    CurvePoint out{};
+    for (std::size_t r = 0; r < kCurveParameters; ++r) {
+        out[r] = dot(matrix[r], vector);
+    }
+    return out;
+}
+
+DampedStep::DampedStep(const CurveModel& model,
+                       const CurvePoint& at,
+                       const CurvePoint& slopes,
+                       const CurveMatrix& curvature,
+                       const CurveMask& free,
+                       double damping)
+    : information(curvature) {
+    CurveMask moving{};
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        moving[i] = free[i] && !(at[i] <= model.low()[i] && slopes[i] <= 0.0) &&
+                    !(at[i] >= model.high()[i] && slopes[i] >= 0.0);
+        gradient[i] = moving[i] ? slopes[i] : 0.0;
+        information[i][i] += damping * curvature[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
+    }
+    inverse = data::inverse(information, moving);
+    move = times(inverse, gradient);
+}
+
 Highest highest(const CurveModel& model,
                 const CurvePoint& near,
                 const CurveMask& free,
@@ -205,37 +201,37 @@ Highest highest(const CurveModel& model,
         free[2] ? std::vector{0.02, 0.15, 0.4} : std::vector{near[2]};
     const std::vector<double> lapses =
         free[3] ? std::vector{0.005, 0.05, 0.15} : std::vector{near[3]};
-    const auto keep = [](std::vector<Start>& starts, std::size_t max) {
+    const auto keep = [](std::vector<Optimum>& starts, std::size_t max) {
         max = std::min(max, starts.size());
         std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(max),
                           starts.end(),
-                          [](const Start& a, const Start& b) { return a.value > b.value; });
+                          [](const Optimum& a, const Optimum& b) { return a.value > b.value; });
         starts.resize(max);
     };
-    std::vector<Start> all;
+    std::vector<Optimum> all;
     const std::vector<std::vector<CurvePoint>> grid = rows(model, near, free, search);
     for (const std::vector<CurvePoint>& row : grid) {
-        std::vector<Start> here;
+        std::vector<Optimum> here;
         for (CurvePoint point : row) {
-            Start best{.value = -std::numeric_limits<double>::infinity()};
+            Optimum best{.value = -std::numeric_limits<double>::infinity()};
             for (const double guess : guesses) {
                 for (const double lapse : lapses) {
                     point[2] = guess;
                     point[3] = lapse;
                     const double value = model.value(point);
-                    best = value > best.value ? Start{point, value} : best;
+                    best = value > best.value ? Optimum{point, value} : best;
                 }
             }
             here.push_back(best);
         }
-        std::vector<Start> tops = tops_of(here);
+        std::vector<Optimum> tops = tops_of(here);
         keep(tops, grid.size() == 1 ? 4 : 2);
         all.insert(all.end(), tops.begin(), tops.end());
     }
     keep(all, search == Search::quick ? 4 : all.size());
     Highest found{climb(model, near, free, tolerance), near};
     double reached = -std::numeric_limits<double>::infinity();  // from found.start
-    for (const Start& start : all) {
+    for (const Optimum& start : all) {
         const Optimum one = climb(model, start.at, free, tolerance);
         if (one.value > reached + kSameHill) {
             reached = one.value;
@@ -296,19 +292,12 @@ Optimum climb(const CurveModel& model,
     best.value = model.derivatives(best.at, gradient, information);
     double damping = 0.0;
     for (int step = 0; step < 200; ++step) {
-        const CurveMask moving = inside(model, best.at, gradient, free);
-        CurveMatrix damped = information;
-        CurvePoint pushed{};
-        for (std::size_t i = 0; i < kCurveParameters; ++i) {
-            damped[i][i] += damping * information[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
-            pushed[i] = moving[i] ? gradient[i] : 0.0;
-        }
-        const CurvePoint move = times(inverse(damped, moving), pushed);
-        const double gain = dot(move, pushed);  // twice what the step promises
+        const DampedStep made(model, best.at, gradient, information, free, damping);
+        const double gain = dot(made.move, made.gradient);  // twice what the step promises
         const bool last = gain > 0.0 && damping == 0.0 && gain < tolerance;
         CurvePoint next = best.at;
         for (std::size_t i = 0; i < kCurveParameters; ++i) {
-            next[i] += move[i];
+            next[i] += made.move[i];
         }
         next = within(model, next, free);
         CurvePoint next_gradient;
@@ -328,8 +317,7 @@ Optimum climb(const CurveModel& model,
                 best.settled = true;
                 return best;
             }
-        } else if (damping > 1e10 || std::ranges::none_of(moving, [](bool b) { return b; }) ||
-                   std::ranges::all_of(pushed, [](double g) { return g == 0.0; })) {
+        } else if (damping > 1e10 || made.gradient == CurvePoint{}) {
             best.settled = true;  // nowhere is higher
             return best;
         } else {

@@ -24,6 +24,24 @@ struct Optimum {
                             const CurveMask& free,
                             double tolerance = 1e-12);
 
+[[nodiscard]] double dot(const CurvePoint& a, const CurvePoint& b);  ///< the sum of a[i] b[i]
+[[nodiscard]] CurvePoint times(const CurveMatrix& matrix, const CurvePoint& vector);  ///< M v
+
+/// A step of Fisher scoring.
+struct DampedStep {
+    CurvePoint gradient{};      ///< of what is free and would not leave its range; else 0
+    CurveMatrix information{};  ///< damped, of all
+    CurveMatrix inverse{};      ///< of these
+    CurvePoint move{};
+
+    DampedStep(const CurveModel& model,
+               const CurvePoint& at,
+               const CurvePoint& slopes,
+               const CurveMatrix& curvature,
+               const CurveMask& free,
+               double damping);
+};
+
 /// How many starts the maximum is looked for from.
 enum class Search : std::uint8_t {
     quick,    ///< slopes in factors of two; from the four best points

@@ -31,46 +31,6 @@ std::vector<double> log_rates(std::size_t rate) {
     return all;
 }
 
-/// Cubics through values and slopes, over the logarithm of the rate.
-class RateTable final : public SharedRate {
-public:
-    explicit RateTable(const std::vector<double>& places)
-        : places_(places), values_(places.size(), 0.0), slopes_(places.size(), 0.0) {}
-
-    void add(std::size_t i, double value, double slope) {
-        values_[i] += value;
-        slopes_[i] += slope;
-    }
-
-    [[nodiscard]] At at(double rate) const override {
-        const double least = protocols::exponential(places_.front());
-        if (rate <= least) {  // a straight line of the rate itself
-            const double slope = slopes_.front() / least;
-            return {values_.front() + slope * (rate - least), slope, 0.0};
-        }
-        const double u = engine::natural_log(rate);
-        const auto above = std::ranges::upper_bound(places_, u);
-        const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
-            above - places_.begin(), 1, static_cast<std::ptrdiff_t>(places_.size()) - 1));
-        const double h = places_[i] - places_[i - 1];
-        const double t = (u - places_[i - 1]) / h;
-        const double rise = values_[i] - values_[i - 1];
-        const double a = h * slopes_[i - 1] - rise;
-        const double b = rise - h * slopes_[i];
-        const double value = values_[i - 1] + t * (rise + (1.0 - t) * ((1.0 - t) * a + t * b));
-        const double by_t =
-            rise + (1.0 - 2.0 * t) * ((1.0 - t) * a + t * b) + t * (1.0 - t) * (b - a);
-        const double by_tt = -2.0 * ((1.0 - t) * a + t * b) + 2.0 * (1.0 - 2.0 * t) * (b - a);
-        const double slope = by_t / h;
-        return {value, slope / rate, (by_tt / (h * h) - slope) / (rate * rate)};
-    }
-
-private:
-    std::vector<double> places_;
-    std::vector<double> values_;
-    std::vector<double> slopes_;
-};
-
 /// The model alone, without a belief of the rate that all share.
 CurveModel alone(const CurveModel& model, bool keeps_prior) {
     CurveModel one = model;
@@ -119,23 +79,6 @@ struct Joint {
     double value = 0.0;
 };
 
-/// Of a curve's own parameters: those that are not the rate of all.
-double dot_own(const CurvePoint& a, const CurvePoint& b, std::size_t rate) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        sum += i == rate ? 0.0 : a[i] * b[i];
-    }
-    return sum;
-}
-
-CurvePoint times_own(const CurveMatrix& m, const CurvePoint& v, std::size_t rate) {
-    CurvePoint out{};
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        out[i] = i == rate ? 0.0 : dot_own(m[i], v, rate);
-    }
-    return out;
-}
-
 /// What is each curve's own, eliminated: one equation for the rate, bend * step = slope, is left.
 struct RateEquation {
     std::vector<CurvePoint> own;      ///< each curve's step where the rate stays
@@ -153,25 +96,14 @@ RateEquation without_own(std::span<const CurveModel> models,
     RateEquation out{.own = std::vector<CurvePoint>(at.size()),
                      .by_rate = std::vector<CurvePoint>(at.size())};
     for (std::size_t c = 0; c < at.size(); ++c) {
-        const CurveMatrix& info = informations[c];
-        const CurvePoint& g = gradients[c];
-        CurveMask moving{};
-        CurvePoint pushed{};
-        for (std::size_t i = 0; i < kCurveParameters; ++i) {
-            moving[i] = i != rate && free[c][i] &&
-                        !(at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
-                        !(at[c][i] >= models[c].high()[i] && g[i] >= 0.0);
-            pushed[i] = moving[i] ? g[i] : 0.0;
-        }
-        CurveMatrix damped = info;
-        for (std::size_t i = 0; i < kCurveParameters; ++i) {
-            damped[i][i] += damping * info[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
-        }
-        const CurveMatrix back = inverse(damped, moving);
-        out.own[c] = times_own(back, pushed, rate);
-        out.by_rate[c] = times_own(back, info[rate], rate);
-        out.slope += g[rate] - dot_own(info[rate], out.own[c], rate);
-        out.bend += damped[rate][rate] - dot_own(info[rate], out.by_rate[c], rate);
+        const CurvePoint& by_all = informations[c][rate];
+        CurveMask own = free[c];
+        own[rate] = false;
+        const DampedStep step(models[c], at[c], gradients[c], informations[c], own, damping);
+        out.own[c] = step.move;
+        out.by_rate[c] = times(step.inverse, by_all);
+        out.slope += gradients[c][rate] - dot(by_all, out.own[c]);
+        out.bend += step.information[rate][rate] - dot(by_all, out.by_rate[c]);
     }
     return out;
 }
@@ -287,6 +219,28 @@ std::vector<CurvePoint> drawn_from(const CurveSpec& spec,
 
 }  // namespace
 
+SharedRate::At SharedRate::at(double rate) const {
+    const double least = protocols::exponential(places_.front());
+    if (rate <= least) {  // a straight line of the rate itself
+        const double slope = slopes_.front() / least;
+        return {values_.front() + slope * (rate - least), slope, 0.0};
+    }
+    const double u = engine::natural_log(rate);
+    const auto above = std::ranges::upper_bound(places_, u);
+    const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+        above - places_.begin(), 1, static_cast<std::ptrdiff_t>(places_.size()) - 1));
+    const double h = places_[i] - places_[i - 1];
+    const double t = (u - places_[i - 1]) / h;
+    const double rise = values_[i] - values_[i - 1];
+    const double a = h * slopes_[i - 1] - rise;
+    const double b = rise - h * slopes_[i];
+    const double value = values_[i - 1] + t * (rise + (1.0 - t) * ((1.0 - t) * a + t * b));
+    const double by_t = rise + (1.0 - 2.0 * t) * ((1.0 - t) * a + t * b) + t * (1.0 - t) * (b - a);
+    const double by_tt = -2.0 * ((1.0 - t) * a + t * b) + 2.0 * (1.0 - 2.0 * t) * (b - a);
+    const double slope = by_t / h;
+    return {value, slope / rate, (by_tt / (h * h) - slope) / (rate * rate)};
+}
+
 void share_rate(std::span<CurveModel> models) {
     const std::vector<double> places = log_rates(models.front().spec().shared_rate());
     std::vector<std::vector<RatePoint>> kept;
@@ -294,7 +248,7 @@ void share_rate(std::span<CurveModel> models) {
         kept.push_back(highest_by_rate(alone(one, false), places));
     }
     for (std::size_t c = 0; c < models.size() && models.size() > 1; ++c) {
-        auto others = std::make_shared<RateTable>(places);
+        auto others = std::make_shared<SharedRate>(places);
         for (std::size_t o = 0; o < models.size(); ++o) {
             for (std::size_t i = 0; o != c && i < places.size(); ++i) {
                 others->add(i, kept[o][i].value, kept[o][i].slope);

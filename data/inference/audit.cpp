@@ -149,15 +149,9 @@ std::vector<AuditGap> gaps_of(const ExplorationMeans& felt) {
 }
 
 double bound_of(Scale scale, const AuditBounds& bounds) {
-    switch (scale) {
-        case Scale::place:
-            return bounds.place_m;
-        case Scale::share:
-            return bounds.share;
-        case Scale::ratio:
-            break;
-    }
-    return std::log(bounds.ratio);
+    return scale == Scale::place ? bounds.place_m
+         : scale == Scale::share ? bounds.share
+                                 : std::log(bounds.ratio);
 }
 
 std::string_view verdict_text(const std::optional<Equivalence>& found) {

@@ -170,20 +170,15 @@ private:
     Nodes nodes_;
 };
 
-/// Standard error of parameter i of n. @param covariance  n x n
-std::optional<double> error_of(const std::vector<double>& covariance,
-                               std::size_t n,
-                               std::size_t i) {
-    const double variance = covariance[i * n + i];
-    return std::isfinite(variance) && variance > 0.0 ? std::optional(std::sqrt(variance))
-                                                     : std::nullopt;
-}
-
 void add_errors(const Objective& f, const Minimum& best, MixedFit& fit) {
     if (const auto covariance = inverse_curvature(f, best.at)) {
-        const std::size_t n = best.at.size();
-        fit.intercept_se = error_of(*covariance, n, 0);
-        fit.effect_se = fit.spec.effect ? error_of(*covariance, n, 1) : std::nullopt;
+        const auto error_of = [&](std::size_t i) {
+            const double variance = (*covariance)[i * best.at.size() + i];
+            return std::isfinite(variance) && variance > 0.0 ? std::optional(std::sqrt(variance))
+                                                             : std::nullopt;
+        };
+        fit.intercept_se = error_of(0);
+        fit.effect_se = fit.spec.effect ? error_of(1) : std::nullopt;
     }
 }
 

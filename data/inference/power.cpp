@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "engine/base/side_by_side.hpp"
@@ -71,10 +72,7 @@ MonteCarlo share_of(double some, double all) {
 }
 
 MonteCarlo mean_of(const std::vector<double>& values) {
-    double sum = 0.0;
-    for (const double value : values) {
-        sum += value;
-    }
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
     const auto n = static_cast<double>(values.size());
     double squares = 0.0;
     for (const double value : values) {
@@ -105,12 +103,9 @@ PowerStudies::PowerStudies(const PowerSpec& spec, PowerPeople people)
     : spec_(spec), people_(std::move(people)), drawn_(spec.studies) {}
 
 PowerPoint PowerStudies::at(std::size_t participants) {
-    struct Study {
-        double p = 1.0;
-        double mean = 0.0;
-        double width = 0.0;
-    };
-    std::vector<Study> studies(spec_.studies);
+    std::vector<double> ps(spec_.studies);
+    std::vector<double> means(spec_.studies);
+    std::vector<double> widths(spec_.studies);
     for_each_number(spec_.threads, spec_.studies, [&](std::size_t study) {
         std::vector<PowerPerson>& people = drawn_[study];
         while (people.size() < participants) {
@@ -119,26 +114,22 @@ PowerPoint PowerStudies::at(std::size_t participants) {
         const std::vector<PowerPerson> these(
             people.begin(), people.begin() + static_cast<std::ptrdiff_t>(participants));
         const PeopleMean mean = mean_over_people(differences_of(these), 1.0);
-        studies[study] = {.p = p_of(spec_.test, these),
-                          .mean = mean.mean,
-                          .width = mean.interval ? mean.interval->high - mean.interval->low : 0.0};
+        ps[study] = p_of(spec_.test, these);
+        means[study] = mean.mean;
+        widths[study] = mean.interval ? mean.interval->high - mean.interval->low : 0.0;
     });
     PowerPoint point{.participants = participants};
     const double true_difference = truth();
-    std::vector<double> means;
-    std::vector<double> widths;
     std::vector<double> sizes;
     double wrong = 0.0;
-    for (const Study& one : studies) {
-        means.push_back(one.mean);
-        widths.push_back(one.width);
-        if (one.p < spec_.alpha) {
-            sizes.push_back(std::fabs(one.mean / true_difference));
-            wrong += one.mean * true_difference < 0.0 ? 1.0 : 0.0;
+    for (std::size_t study = 0; study < spec_.studies; ++study) {
+        if (ps[study] < spec_.alpha) {
+            sizes.push_back(std::fabs(means[study] / true_difference));
+            wrong += means[study] * true_difference < 0.0 ? 1.0 : 0.0;
         }
     }
     const auto found = static_cast<double>(sizes.size());
-    point.power = share_of(found, static_cast<double>(studies.size()));
+    point.power = share_of(found, static_cast<double>(spec_.studies));
     point.width = mean_of(widths);
     point.estimate = mean_of(means);
     if (found > 0.0 && std::fabs(true_difference) > kNoEffect) {

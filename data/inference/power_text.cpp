@@ -115,8 +115,7 @@ std::string sentence(const PowerReport& report) {
 Series series_of(const std::vector<PowerPoint>& points, std::string name, Ink ink) {
     Series series{.name = std::move(name), .ink = ink, .mark = Mark::both};
     for (const PowerPoint& point : points) {
-        series.x.push_back(static_cast<double>(point.participants));
-        series.y.push_back(point.power.value);
+        series.add(static_cast<double>(point.participants), point.power.value);
     }
     return series;
 }
@@ -125,7 +124,7 @@ void add_errors(Panel& panel, const std::vector<PowerPoint>& points, std::size_t
     for (const PowerPoint& point : points) {
         const auto x = static_cast<double>(point.participants);
         const Interval ends = share_interval(point.power, studies);
-        panel.series.push_back({.x = {x, x}, .y = {ends.low, ends.high}, .ink = ink, .width = 3.0});
+        panel.series.push_back(interval_bar(x, ends.low, x, ends.high, ink));
     }
 }
 

@@ -92,6 +92,27 @@ constexpr Kind kKinds[] = {
     {"confidence", "confidence", own<&PersonCell::confidence>},
 };
 
+/// Of one value or more. @param size  as of mean_over_people()
+PeopleTest test_of(std::vector<double> values,
+                   double nothing,
+                   double prior_scale,
+                   double size = 0.0) {
+    PeopleTest made{.mean = mean_over_people(values, size)};
+    std::vector<double> differences = values;
+    for (double& one : differences) {
+        size = std::max(size, std::fabs(one));
+        one -= nothing;
+    }
+    made.values = std::move(values);
+    made.t = paired_t(differences, size);
+    made.flip = sign_flip(differences);
+    made.rank = signed_rank(differences);
+    if (made.t) {
+        made.bayes = jzs_bayes_factor(made.t->t, differences.size(), prior_scale);
+    }
+    return made;
+}
+
 Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind& kind) {
     Measure made{.key = kind.key, .title = kind.title};
     for (const PersonStats& person : part.people) {
@@ -126,23 +147,6 @@ Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind&
 }
 
 }  // namespace
-
-PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale, double size) {
-    PeopleTest made{.mean = mean_over_people(values, size)};
-    std::vector<double> differences = values;
-    for (double& one : differences) {
-        size = std::max(size, std::fabs(one));
-        one -= nothing;
-    }
-    made.values = std::move(values);
-    made.t = paired_t(differences, size);
-    made.flip = sign_flip(differences);
-    made.rank = signed_rank(differences);
-    if (made.t) {
-        made.bayes = jzs_bayes_factor(made.t->t, differences.size(), prior_scale);
-    }
-    return made;
-}
 
 StatsReport stats_of(TrialTable table, const StatsOptions& options) {
     check_signals(table, options);

@@ -203,6 +203,37 @@ std::optional<TwoCounts> two_counts(const PersonStats& person, std::size_t frict
                      .k = {static_cast<double>(first.k), static_cast<double>(other.k)}};
 }
 
+void add_mixed(const StatsReport& report, StatsPart& part) {
+    for (std::size_t friction = 1; friction < report.table.frictions.size(); ++friction) {
+        std::vector<TwoCounts> people;
+        std::array<double, 2> n{};
+        for (const PersonStats& person : part.people) {
+            if (const auto counts = two_counts(person, friction)) {
+                people.push_back(*counts);
+                n[0] += counts->n[0];
+                n[1] += counts->n[1];
+            }
+        }
+        if (people.size() < 2 || n[0] == 0.0 || n[1] == 0.0) {
+            continue;
+        }
+        const int nodes = report.options.nodes;
+        MixedStats made{.friction = friction, .people = people.size()};
+        made.laplace = fit_mixed(people, {});
+        made.laplace_null = fit_mixed(people, {.effect = false});
+        made.laplace_intercept = fit_mixed(people, {.slope = false});
+        made.quadrature = fit_mixed(people, {.nodes = nodes}, &made.laplace);
+        made.quadrature_null =
+            fit_mixed(people, {.effect = false, .nodes = nodes}, &made.laplace_null);
+        if (report.options.simulations > 0) {
+            made.simulated = simulate_null(
+                people, made.laplace_null, likelihood_ratio(made.laplace, made.laplace_null),
+                report.options.simulations, report.options.seed, kNullStreams * friction);
+        }
+        part.mixed.push_back(made);
+    }
+}
+
 }  // namespace
 
 bool hit(const StatsReport& report, const Trial& trial) {
@@ -253,37 +284,6 @@ StatsPart part_of(const StatsReport& report, const std::function<bool(const Tria
     add_mixed(report, part);
     add_tests(report, part);
     return part;
-}
-
-void add_mixed(const StatsReport& report, StatsPart& part) {
-    for (std::size_t friction = 1; friction < report.table.frictions.size(); ++friction) {
-        std::vector<TwoCounts> people;
-        std::array<double, 2> n{};
-        for (const PersonStats& person : part.people) {
-            if (const auto counts = two_counts(person, friction)) {
-                people.push_back(*counts);
-                n[0] += counts->n[0];
-                n[1] += counts->n[1];
-            }
-        }
-        if (people.size() < 2 || n[0] == 0.0 || n[1] == 0.0) {
-            continue;
-        }
-        const int nodes = report.options.nodes;
-        MixedStats made{.friction = friction, .people = people.size()};
-        made.laplace = fit_mixed(people, {});
-        made.laplace_null = fit_mixed(people, {.effect = false});
-        made.laplace_intercept = fit_mixed(people, {.slope = false});
-        made.quadrature = fit_mixed(people, {.nodes = nodes}, &made.laplace);
-        made.quadrature_null =
-            fit_mixed(people, {.effect = false, .nodes = nodes}, &made.laplace_null);
-        if (report.options.simulations > 0) {
-            made.simulated = simulate_null(
-                people, made.laplace_null, likelihood_ratio(made.laplace, made.laplace_null),
-                report.options.simulations, report.options.seed, kNullStreams * friction);
-        }
-        part.mixed.push_back(made);
-    }
 }
 
 std::vector<std::string> warnings_of(const MixedStats& mixed) {

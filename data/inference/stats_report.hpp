@@ -67,13 +67,6 @@ struct PeopleTest {
     std::optional<double> bayes{};  ///< BF10
 };
 
-/// @param size  as of mean_over_people()
-/// @pre one value or more
-[[nodiscard]] PeopleTest test_of(std::vector<double> values,
-                                 double nothing,
-                                 double prior_scale,
-                                 double size = 0.0);
-
 /// What people have under each friction, and the differences within person.
 struct Measure {
     std::string

@@ -35,10 +35,8 @@ namespace palpate::data {
 /// Whether the answer is right; of yes/no without signals: whether it is yes.
 [[nodiscard]] bool hit(const StatsReport& report, const Trial& trial);
 
-/// Measures, the mixed model of each friction and the first, and the tests of one number a person,
-/// from part.people.
+/// Measures, and the tests of one number a person, from part.people.
 void add_measures(const StatsReport& report, StatsPart& part);
-void add_mixed(const StatsReport& report, StatsPart& part);
 void add_tests(const StatsReport& report, StatsPart& part);
 
 /// A text over the tables, for all outputs: "share correct", "share of yes".

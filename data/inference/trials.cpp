@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
@@ -68,10 +68,8 @@ public:
             return std::nullopt;
         }
         constexpr double kLimit = 1e9;  // sums of squares stay numbers
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-        if (error != std::errc{} || end != text->data() + text->size() ||
-            !(std::fabs(value) <= kLimit) || (above_zero && value <= 0.0)) {
+        const auto value = parsed<double>(*text);
+        if (!value || !(std::fabs(*value) <= kLimit) || (above_zero && *value <= 0.0)) {
             refuse(row, column,
                    above_zero ? "give seconds above 0 to 1e9, or nothing where it is not known"
                               : "give a number from -1e9 to 1e9, or nothing where it is not known");

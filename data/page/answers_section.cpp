@@ -23,29 +23,18 @@ std::string matrix_html(const Rows& rows,
         "% of the row, and answers</caption>\n<thead><tr><td></td>",
         html_text(friction));
     for (const std::string& one : called) {
-        std::string name = html_text(one);
-        for (std::size_t at = name.find('_'); at != std::string::npos;
-             at = name.find('_', at + 1)) {
-            name.insert(at + 1, "<wbr>");
-        }
-        out += fmt::format("<th scope=\"col\">{}</th>", name);
+        out += fmt::format("<th scope=\"col\">{}</th>", replaced(html_text(one), "_", "_<wbr>"));
     }
     out += "</tr></thead>\n<tbody>\n";
     for (const std::string& of : felt) {
         out += fmt::format("<tr><th scope=\"row\">{}</th>", html_text(of));
+        const Rows row = rows.where("friction", friction).where("felt", of);
         for (const std::string& as : called) {
-            double n = 0.0;
-            double share = 0.0;
-            for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-                if (rows.text(row, "friction") == friction && rows.text(row, "felt") == of &&
-                    rows.text(row, "called") == as) {
-                    n = rows.number(row, "n");
-                    share = rows.number(row, "row_share");
-                }
-            }
-            share = std::isfinite(share) ? share : 0.0;
+            const Rows cell = row.where("called", as);
+            const double share = cell.sum("row_share");
             out += fmt::format("<td{} style=\"--a:{:.2f}\">{:.0f} %<small>{:.0f}</small></td>",
-                               as == of ? " class=\"right\"" : "", share, 100.0 * share, n);
+                               as == of ? " class=\"right\"" : "", share, 100.0 * share,
+                               cell.sum("n"));
         }
         out += "</tr>\n";
     }
@@ -57,18 +46,10 @@ void add_confusion(PageWriter& page, const Study& study, const StatsReport& stat
                       .title = "What was felt and what it was called",
                       .data = study.ask(page_query("confusion"))};
     const std::vector<std::string> felt = figure.data.levels("felt");
-    std::vector<std::string> called;
-    const std::vector<std::string> all = figure.data.levels("called");
-    for (const std::string& one : felt) {
-        if (std::ranges::find(all, one) != all.end()) {
-            called.push_back(one);
-        }
-    }
-    for (const std::string& one : all) {
-        if (std::ranges::find(called, one) == called.end()) {
-            called.push_back(one);
-        }
-    }
+    std::vector<std::string> called = figure.data.levels("called");
+    std::ranges::stable_sort(called, {}, [&](const std::string& one) {  // what was felt first
+        return std::ranges::find(felt, one) - felt.begin();
+    });
     figure.html = "<div class=\"matrices\">\n";
     for (const std::string& friction : stats.table.frictions) {
         figure.html += matrix_html(figure.data, friction, felt, called);
@@ -103,8 +84,7 @@ Panel difference_panel(const StatsPart& part,
     }
     std::ranges::sort(sorted);
     for (const auto& [difference, person] : sorted) {
-        dots.x.push_back(difference);
-        dots.y.push_back(y);
+        dots.add(difference, y);
         panel.y.names.emplace_back(y, person);
         y += 1.0;
     }
@@ -113,8 +93,7 @@ Panel difference_panel(const StatsPart& part,
     Series mean{.x = {effect.mean.mean}, .y = {-1.0}, .ink = Ink::black, .mark = Mark::points};
     panel.series = {zero, dots, mean};
     if (const auto& ends = effect.mean.interval) {
-        panel.series.push_back(
-            {.x = {ends->low, ends->high}, .y = {-1.0, -1.0}, .ink = Ink::black, .width = 3.0});
+        panel.series.push_back(interval_bar(ends->low, -1.0, ends->high, -1.0, Ink::black));
     }
     panel.height = std::max(170.0, 15.0 * (y + 2.0));
     return panel;
@@ -147,11 +126,10 @@ std::vector<std::vector<double>> shares_left_out(const Study& study,
     }
     for (const std::string& person : left_out) {
         auto& values = all.emplace_back(frictions.size(), kNone);
-        for (std::size_t row = 0; row < shares.cells.size(); ++row) {
-            const auto found = std::ranges::find(frictions, shares.text(row, "friction"));
-            if (shares.text(row, "person") == person && found != frictions.end()) {
-                values[static_cast<std::size_t>(found - frictions.begin())] =
-                    shares.number(row, "share");
+        const Rows mine = shares.where("person", person);
+        for (std::size_t f = 0; f < frictions.size(); ++f) {
+            for (const double share : mine.where("friction", frictions[f]).numbers("share")) {
+                values[f] = share;
             }
         }
     }

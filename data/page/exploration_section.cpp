@@ -91,22 +91,18 @@ Panel map_panel(const Study& study,
                 .height = 165.0};
     Series outline{.ink = Ink::black, .width = 1.0};
     for (const engine::Vec2& point : protocols::plan_of(study.protocol, object)) {
-        outline.x.push_back(1e3 * point.x);
-        outline.y.push_back(1e3 * point.y);
+        outline.add(1e3 * point.x, 1e3 * point.y);
     }
-    outline.x.push_back(outline.x.front());
-    outline.y.push_back(outline.y.front());
+    outline.add(outline.x.front(), outline.y.front());
     panel.series.push_back(std::move(outline));
-    Series dots{.ink = ink_of(friction_place), .mark = Mark::points, .opacity = 0.55};
-    double ticks = 0.0;
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        if (rows.text(row, "felt") == name && rows.text(row, "friction") == friction) {
-            dots.x.push_back(1e3 * rows.number(row, "x_m"));
-            dots.y.push_back(1e3 * rows.number(row, "y_m"));
-            dots.sizes.push_back(rows.number(row, "ticks"));
-            ticks += dots.sizes.back();
-        }
-    }
+    const Rows there = rows.where("felt", name).where("friction", friction);
+    Series dots{.x = there.numbers("x_m", 1e3),
+                .y = there.numbers("y_m", 1e3),
+                .ink = ink_of(friction_place),
+                .mark = Mark::points,
+                .sizes = there.numbers("ticks"),
+                .opacity = 0.55};
+    const double ticks = there.sum("ticks");
     for (double& size : dots.sizes) {
         size = std::clamp(40.0 * std::sqrt(size / ticks), 0.8, 20.0);
     }

@@ -59,10 +59,8 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
             const Ink ink = line.found->bounded()                    ? Ink::blue
                           : line.found->verdict == Sameness::differs ? Ink::vermillion
                                                                      : Ink::grey;
-            panel.series.push_back({.x = {shown(line.found->low), shown(line.found->high)},
-                                    .y = {-y, -y},
-                                    .ink = ink,
-                                    .width = 3.0});
+            panel.series.push_back(
+                interval_bar(shown(line.found->low), -y, shown(line.found->high), -y, ink));
             panel.series.push_back(
                 {.x = {shown(line.found->mean)}, .y = {-y}, .ink = ink, .mark = Mark::points});
         }
@@ -153,8 +151,7 @@ void add_health(PageWriter& page, const Study& study) {
         double max = 0.1;
         for (std::size_t row = 0; row < rows.cells.size(); ++row) {
             const double y = -static_cast<double>(row);
-            dots.x.push_back(100.0 * rows.number(row, name));
-            dots.y.push_back(y);
+            dots.add(100.0 * rows.number(row, name), y);
             max = std::isfinite(dots.x.back()) ? std::max(max, 1.08 * dots.x.back()) : max;
             panel.y.names.emplace_back(y, fmt::format("{} ({})", rows.text(row, "person"),
                                                       rows.text(row, "session_number")));
@@ -165,20 +162,13 @@ void add_health(PageWriter& page, const Study& study) {
         panel.series.push_back(std::move(dots));
         figure.panels.push_back(std::move(panel));
     }
-    double lost = 0.0;
-    double faults = 0.0;
-    double felt = 0.0;
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        lost += rows.number(row, "lost_ticks");
-        faults += rows.number(row, "faulted");
-        felt += std::isfinite(rows.number(row, "felt_s")) ? rows.number(row, "felt_s") : 0.0;
-    }
     figure.caption = fmt::format(
         "Of all attempts, practice too. Late: woke more than half a period late. Saturated: the "
         "device could not give the force. {:.1f} min were felt in all; {} lost on their way to the "
         "disk; the force went off by itself in {}.",
-        felt / 60.0, counted(static_cast<std::int64_t>(lost), "tick was", "ticks were"),
-        counted(static_cast<std::int64_t>(faults), "trial"));
+        rows.sum("felt_s") / 60.0,
+        counted(static_cast<std::int64_t>(rows.sum("lost_ticks")), "tick was", "ticks were"),
+        counted(static_cast<std::int64_t>(rows.sum("faulted")), "trial"));
     page.figure(figure);
     const Rows devices = study.ask(page_query("devices"));
     if (!devices.cells.empty()) {

@@ -7,7 +7,7 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
@@ -89,24 +89,19 @@ std::string panel_html(const Panel& panel,
                        const std::string& title,
                        double width,
                        const std::string& mark) {
-    const std::string drawn = svg(Figure{.id = id, .panels = {panel}, .width = width});
-    const std::string view = "viewBox=\"";
-    const std::size_t box = drawn.find(view) + view.size();
-    std::string size = drawn.substr(box, drawn.find('"', box) - box);
-    constexpr double kFoot = 14.0;  // px that a figure of several panels needs below this one
-    const std::size_t last = size.find_last_of(' ') + 1;
-    const double height = std::stod(size.substr(last)) - kFoot;
-    size.replace(last, std::string::npos, px(height));
-    const std::size_t body = drawn.find("<g class=\"panel\">");
-    const std::string name = panel.title.empty() ? title : title + ": " + panel.title;
-    std::string out = fmt::format(
-        "<svg viewBox=\"{}\" aria-label=\"{}. The table below has its numbers.\" role=\"img\">\n{}",
-        size, html_text(name), drawn.substr(body));
-    if (!mark.empty()) {
-        out.insert(out.rfind("</svg>"),
-                   svg_text(width - 6.0, height - 3.0, mark, 10.0, Anchor::end, "class=\"mark\""));
-    }
-    return out;
+    constexpr double kEdge = 10.0;  // px round it
+    PanelPlan plan(panel, width - 2.0 * kEdge);
+    plan.align(plan.left());
+    const double top = kEdge + plan.header();
+    const double height = top + panel.height + plan.footer() + kEdge;
+    return fmt::format(
+        "<svg viewBox=\"0 0 {} {}\" aria-label=\"{}. The table below has its numbers.\" "
+        "role=\"img\">\n{}{}</svg>\n",
+        px(width), px(height), html_text(panel.title.empty() ? title : title + ": " + panel.title),
+        plan.draw(kEdge, top, fmt::format("f-{}-clip0", id)),
+        mark.empty()
+            ? std::string()
+            : svg_text(width - 6.0, height - 3.0, mark, 10.0, Anchor::end, "class=\"mark\""));
 }
 
 void put(std::string& bytes, std::uint64_t number) {
@@ -240,9 +235,6 @@ std::string PageWriter::sources(std::string_view id,
                                 std::string_view title,
                                 const Rows& rows,
                                 Folding shown) const {
-    const std::string name = study_->options.kind == "real"
-                               ? std::string(id)
-                               : fmt::format("{}-{}", study_->options.kind, id);
     const std::string table =
         html_table(rows.names, rows.cells, fmt::format("{}: the data", title));
     std::string out = shown == Folding::open ? table : "";
@@ -254,20 +246,22 @@ std::string PageWriter::sources(std::string_view id,
     return out + fmt::format(
                      "<details class=\"sql\"><summary>SQL</summary>\n<pre "
                      "tabindex=\"0\"><code>{}</code></pre></details>\n"
-                     "<a class=\"csv\" download=\"{}.csv\" href=\"{}\">CSV</a>\n</div>\n",
-                     html_text(rows.sql), html_text(name), data_address("text/csv", rows.csv));
+                     "{}\n</div>\n",
+                     html_text(rows.sql), csv_link(html_text(id), rows.csv));
+}
+
+std::string PageWriter::csv_link(std::string_view id, std::string_view csv) const {
+    const std::string& kind = study_->options.kind;
+    return fmt::format("<a class=\"csv\" download=\"{}{}.csv\" href=\"{}\">CSV</a>",
+                       kind == "real" ? "" : kind + "-", id, data_address("text/csv", csv));
 }
 
 void PageWriter::add_results(const Results& results, const std::string& id) {
-    const std::string& kind = study_->options.kind;
     const Fields fields = fields_of(results.table);
     const std::string captions =
         html_table(fields.names, fields.rows, results.caption) +
-        fmt::format(
-            "<p class=\"from\">The same numbers: <code>{}</code> <a class=\"csv\" "
-            "download=\"{}{}.csv\" href=\"{}\">CSV</a></p>\n",
-            html_text(results.command), kind == "real" ? "" : kind + "-", id,
-            data_address("text/csv", table_csv(fields)));
+        fmt::format("<p class=\"from\">The same numbers: <code>{}</code> {}</p>\n",
+                    html_text(results.command), csv_link(id, table_csv(fields)));
     body_ += results.folded
                ? fmt::format("<details class=\"more\"><summary>{}</summary>\n{}</details>\n",
                              html_text(results.caption), captions)

@@ -96,6 +96,7 @@ private:
                                       std::string_view title,
                                       const Rows& rows,
                                       Folding shown) const;
+    [[nodiscard]] std::string csv_link(std::string_view id, std::string_view csv) const;
     void close_section();
     void add_results(const Results& results, const std::string& id);
 

@@ -112,21 +112,16 @@ void add_tracks(PageWriter& page, const Study& study, const std::vector<std::str
         for (std::size_t run = 0; run < runs.size(); ++run) {
             Series track{.name = runs[run], .ink = ink_of(run), .mark = Mark::both, .width = 1.0};
             Series estimate{.ink = ink_of(run), .stroke = Stroke::dashed};
-            for (std::size_t row = 0; row < figure.data.cells.size(); ++row) {
-                if (figure.data.text(row, "person") == person &&
-                    figure.data.text(row, "run_name") == runs[run]) {
-                    const double at = figure.data.number(row, "run_trial_number");
-                    const bool again = !track.x.empty() && at <= track.x.back();
-                    if (again) {  // the next session
-                        track.x.push_back(std::nan(""));
-                        track.y.push_back(std::nan(""));
-                    }
-                    track.x.push_back(at);
-                    track.y.push_back(figure.data.number(row, "stimulus"));
-                    estimate.x.push_back(again ? std::nan("") : at);
-                    estimate.y.push_back(figure.data.number(row, "estimate"));
-                    estimates = estimates || std::isfinite(estimate.y.back());
+            const Rows rows = figure.data.where("person", person).where("run_name", runs[run]);
+            for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+                const double at = rows.number(row, "run_trial_number");
+                const bool again = !track.x.empty() && at <= track.x.back();
+                if (again) {  // the next session
+                    track.gap();
                 }
+                track.add(at, rows.number(row, "stimulus"));
+                estimate.add(again ? std::nan("") : at, rows.number(row, "estimate"));
+                estimates = estimates || std::isfinite(estimate.y.back());
             }
             track.sizes.assign(track.x.size(), 2.0);
             panel.series.push_back(std::move(track));

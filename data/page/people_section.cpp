@@ -14,20 +14,7 @@ namespace palpate::data {
 namespace {
 
 std::int64_t sum_of(const Rows& rows, std::string_view name) {
-    double sum = 0.0;
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        const double value = rows.number(row, name);
-        sum += std::isfinite(value) ? value : 0.0;
-    }
-    return static_cast<std::int64_t>(sum);
-}
-
-std::int64_t people_with(const Rows& rows, std::string_view name) {
-    std::int64_t people = 0;
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        people += rows.number(row, name) > 0.0 ? 1 : 0;
-    }
-    return people;
+    return static_cast<std::int64_t>(rows.sum(name));
 }
 
 std::string step(std::int64_t count,
@@ -86,7 +73,9 @@ std::string flow_html(const Study& study, const Rows& rows) {
     return out +
            fmt::format("</ol>\n</div>\n</div>\n<p>Exclusions not applied: {} answers of {}.</p>\n",
                        sum_of(rows, "answered"),
-                       counted(people_with(rows, "answered"), "person", "people"));
+                       counted(std::ranges::count_if(rows.numbers("answered"),
+                                                     [](double n) { return n > 0.0; }),
+                               "person", "people"));
 }
 
 /// Share correct with exclusions applied and not.
@@ -114,24 +103,6 @@ Results both_ways(const PageNumbers& numbers) {
     return results;
 }
 
-/// Minus signs instead of hyphens.
-std::string minus(std::string text) {
-    for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-')) {
-        text.replace(at, 1, "\u2212");
-    }
-    return text;
-}
-
-/// On the scale of the page: exp() of a logarithm.
-PeopleMean as_exp(const PeopleMean& mean) {
-    PeopleMean out = mean;
-    out.mean = std::exp(mean.mean);
-    if (out.interval) {
-        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
-    }
-    return out;
-}
-
 }  // namespace
 
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -157,8 +128,9 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
                 out += html_fact(
                     fmt::format("{} \u2212 {}, within person", friction,
                                 stats.table.frictions.front()),
-                    minus(fmt::format("{:+.3f}", effect->mean.mean)),
-                    (ends ? "95 % " + minus(interval_text(*ends)) : "no interval") +
+                    replaced(fmt::format("{:+.3f}", effect->mean.mean), "-", "\u2212"),
+                    (ends ? "95 % " + replaced(interval_text(*ends), "-", "\u2212")
+                          : "no interval") +
                         (!effect->t             ? std::string()
                          : effect->t->p < 0.001 ? "; p < 0.001"
                                                 : fmt::format("; p = {:.3f}", effect->t->p)));
@@ -214,11 +186,7 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
             one.person = fmt::format("person {}:", one.person);
         }
     }
-    std::string account = html_text(left_out_text(named));
-    for (std::size_t at = account.find("\n  "); at != std::string::npos;
-         at = account.find("\n  ", at + 1)) {
-        account.replace(at, 1, "<br>");
-    }
+    const std::string account = replaced(html_text(left_out_text(named)), "\n  ", "<br>  ");
     page.html(fmt::format("<p class=\"account\" data-left-out=\"{}\">{}</p>\n",
                           html_text(json_text(left_out_json(study.left_out))), account));
     page.paragraph(study.options.codes
@@ -290,10 +258,15 @@ PairedPanel pairs_of(const Rows& rows,
                 values.push_back(scale == Scale::logarithms ? std::log(mine[f]) : mine[f]);
             }
         }
-        all.means.push_back(values.empty() ? std::nullopt
-                                           : std::optional(mean_over_people(values)));
-        if (all.means.back() && scale == Scale::logarithms) {
-            all.means.back() = as_exp(*all.means.back());
+        auto& mean = all.means.emplace_back();
+        if (!values.empty()) {
+            mean = mean_over_people(values);
+        }
+        if (mean && scale == Scale::logarithms) {  // on the scale of the page
+            mean->mean = std::exp(mean->mean);
+            if (auto& ends = mean->interval) {
+                ends = Interval{std::exp(ends->low), std::exp(ends->high)};
+            }
         }
     }
     return all;
@@ -314,8 +287,7 @@ Panel paired_panel(const PairedPanel& what) {
             Series one{
                 .name = name, .ink = Ink::grey, .stroke = stroke, .mark = Mark::both, .width = 1.0};
             for (std::size_t f = 0; f < values.size(); ++f) {
-                one.x.push_back(static_cast<double>(f));
-                one.y.push_back(values[f]);
+                one.add(static_cast<double>(f), values[f]);
             }
             one.sizes.assign(values.size(), 2.5);
             one.opacity = 0.7;
@@ -332,10 +304,8 @@ Panel paired_panel(const PairedPanel& what) {
                 {.x = {x}, .y = {mean->mean}, .ink = ink_of(f), .mark = Mark::points});
             panel.series.back().sizes = {4.5};
             if (mean->interval) {
-                panel.series.push_back({.x = {x, x},
-                                        .y = {mean->interval->low, mean->interval->high},
-                                        .ink = ink_of(f),
-                                        .width = 3.0});
+                const auto [low, high] = *mean->interval;
+                panel.series.push_back(interval_bar(x, low, x, high, ink_of(f)));
             }
         }
     }

@@ -28,24 +28,20 @@ Panel levels_panel(const Rows& rows,
                        .ink = ink_of(f),
                        .stroke = f % 2 == 0 ? Stroke::solid : Stroke::dashed,
                        .width = 1.4};
-        for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-            if (rows.text(row, "felt") != felt || rows.text(row, "friction") != frictions[f]) {
-                continue;
-            }
+        const Rows mine = rows.where("felt", felt).where("friction", frictions[f]);
+        for (std::size_t row = 0; row < mine.cells.size(); ++row) {
             const double left =
-                rows.number(row, "level") - 0.4 + width * static_cast<double>(f) + 0.02;
+                mine.number(row, "level") - 0.4 + width * static_cast<double>(f) + 0.02;
             const double right = left + width - 0.04;
-            const double share = rows.number(row, "share");
+            const double share = mine.number(row, "share");
             highest = std::max(highest, share);
             panel.bands.push_back(
                 {.x = {left, right}, .low = {0.0, 0.0}, .high = {share, share}, .ink = ink_of(f)});
-            for (const auto& [x, y] : {std::pair{left, 0.0}, std::pair{left, share},
-                                       std::pair{right, share}, std::pair{right, 0.0}}) {
-                outline.x.push_back(x);
-                outline.y.push_back(y);
-            }
-            outline.x.push_back(std::nan(""));
-            outline.y.push_back(std::nan(""));
+            outline.add(left, 0.0);
+            outline.add(left, share);
+            outline.add(right, share);
+            outline.add(right, 0.0);
+            outline.gap();
         }
         panel.series.push_back(std::move(outline));
     }

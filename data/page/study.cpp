@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -27,6 +28,14 @@ std::string_view page_query(std::string_view name) {
     query.remove_prefix(at + head.size());
     query = query.substr(0, query.find("\n\n--"));
     return query.ends_with('\n') ? query.substr(0, query.size() - 1) : query;
+}
+
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size())) {
+        text.replace(at, from.size(), to);
+    }
+    return text;
 }
 
 namespace {
@@ -98,6 +107,32 @@ double Rows::number(std::size_t row, std::string_view name) const {
     return value;
 }
 
+std::vector<double> Rows::numbers(std::string_view name, double factor) const {
+    std::vector<double> all(cells.size());
+    for (std::size_t row = 0; row < cells.size(); ++row) {
+        all[row] = factor * number(row, name);
+    }
+    return all;
+}
+
+double Rows::sum(std::string_view name) const {
+    double sum = 0.0;
+    for (const double value : numbers(name)) {
+        sum += std::isfinite(value) ? value : 0.0;
+    }
+    return sum;
+}
+
+Rows Rows::where(std::string_view name, std::string_view level) const {
+    Rows kept{.names = names};
+    for (std::size_t row = 0; row < cells.size(); ++row) {
+        if (text(row, name) == level) {
+            kept.cells.push_back(cells[row]);
+        }
+    }
+    return kept;
+}
+
 std::vector<std::string> Rows::levels(std::string_view name) const {
     std::vector<std::string> found;
     for (std::size_t row = 0; row < cells.size(); ++row) {
@@ -116,14 +151,10 @@ Study::Study(Database& database, const PageOptions& asked) : options(asked), dat
 }
 
 void Study::choose() {
-    Statement row = database_->prepare(
+    const std::vector<std::string> names = texts(database_->prepare(
         "SELECT DISTINCT study_name FROM study JOIN session USING (study_id) WHERE session_kind = "
         "?1 AND (?2 = '' OR study_name = ?2) ORDER BY 1",
-        options.kind, options.study);
-    std::set<std::string> names;
-    while (row.step()) {
-        names.insert(row.text(0));
-    }
+        options.kind, options.study));
     if (names.empty()) {
         const std::string left = none_left_text(*database_, options.study, options.kind);
         throw std::invalid_argument(fmt::format(
@@ -132,9 +163,9 @@ void Study::choose() {
             left.empty() ? "" : " that may be shown", left));
     }
     if (names.size() > 1) {
-        throw std::invalid_argument(several_studies(*database_, names));
+        throw std::invalid_argument(several_studies(*database_, {names.begin(), names.end()}));
     }
-    name = *names.begin();
+    name = names.front();
     words = options.kind == "real" ? "" : " --kind " + options.kind;
     words += options.study.empty() ? "" : " --study " + options.study;
     versions = versions_of(*database_);
@@ -221,10 +252,7 @@ Rows Study::ask(std::string_view sql) const {
           std::pair{std::string("{signal}"), signal},
           std::pair{std::string("{study}"), quoted_text(name)},
           std::pair{std::string("{kind}"), quoted_text(options.kind)}}) {
-        for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at)) {
-            text.replace(at, word.size(), value);
-            at += value.size();
-        }
+        text = replaced(std::move(text), word, value);
     }
     Rows rows;
     rows.sql = text;

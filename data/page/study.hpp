@@ -28,6 +28,9 @@ struct PageOptions {
 /// A query of queries.sql, as it stands there. @throws std::logic_error if there is none
 [[nodiscard]] std::string_view page_query(std::string_view name);
 
+/// Each `from` of a text as `to`.
+[[nodiscard]] std::string replaced(std::string text, std::string_view from, std::string_view to);
+
 /// The rows of a query, to the byte as `palpate sql FILE --csv -c SQL` prints them.
 struct Rows {
     std::string sql{};
@@ -39,6 +42,11 @@ struct Rows {
     [[nodiscard]] const std::string& text(std::size_t row, std::string_view name) const;
     /// NaN for NULL and for what is no number.
     [[nodiscard]] double number(std::size_t row, std::string_view name) const;
+    /// All of a column, times a factor; their sum without NaN.
+    [[nodiscard]] std::vector<double> numbers(std::string_view name, double factor = 1.0) const;
+    [[nodiscard]] double sum(std::string_view name) const;
+    /// The rows with this text in a column; without `sql` and `csv`.
+    [[nodiscard]] Rows where(std::string_view name, std::string_view level) const;
     /// Different texts of a column, in the order of the rows.
     [[nodiscard]] std::vector<std::string> levels(std::string_view name) const;
 };

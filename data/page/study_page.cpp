@@ -97,7 +97,8 @@ std::string study_page(Database& database, const PageOptions& options) {
     const Study study(database, options);
     PageNumbers numbers = commands_of(study, options);
 
-    // Statistics need no database any more: they are computed while the rest is asked for.
+    // Statistics need no database any more: they are computed, into members of their own, while
+    // the rest is asked for.
     std::optional<TrialTable> trials = stats_trials(database, study);
     const StoredAnswers answers = fit_answers(database, study);
     refuse_if(!trials && !options.signals.empty(),
@@ -111,15 +112,13 @@ std::string study_page(Database& database, const PageOptions& options) {
             numbers.fit = fit_numbers(study, answers);
         }
     });
-    PageNumbers rest{.bounds = numbers.bounds, .audit_words = numbers.audit_words};
-    rest.audit = audit_numbers(database, study, rest.bounds);
+    numbers.audit = audit_numbers(database, study, numbers.bounds);
     PageWriter last(study);
     add_exploration(last, study);
-    add_audit(last, study, rest);
+    add_audit(last, study, numbers);
     add_health(last, study);
     add_provenance(last, study);
     computed.get();
-    numbers.audit = rest.audit;
 
     PageWriter page(study);
     add_facts(page, study, numbers);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -27,31 +28,25 @@ void add_trend(Panel& panel,
                const std::string& value,
                const std::string& low,
                const std::string& high) {
-    Series line{.ink = Ink::blue, .mark = Mark::both};
-    Band band{.name = "95 % over people", .ink = Ink::blue};
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        line.x.push_back(rows.number(row, x));
-        line.y.push_back(rows.number(row, value));
-        band.x.push_back(line.x.back());
-        band.low.push_back(rows.number(row, low));
-        band.high.push_back(rows.number(row, high));
-    }
-    panel.series.push_back(std::move(line));
-    panel.bands.push_back(std::move(band));
+    panel.series.push_back(
+        {.x = rows.numbers(x), .y = rows.numbers(value), .ink = Ink::blue, .mark = Mark::both});
+    panel.bands.push_back({.x = rows.numbers(x),
+                           .low = rows.numbers(low),
+                           .high = rows.numbers(high),
+                           .name = "95 % over people",
+                           .ink = Ink::blue});
 }
 
 /// A band of two people can be a thousand times what was measured: cut, so that means are no line
 /// at 0. @return it is
 bool keep_means_visible(Panel& panel) {
     constexpr double kTimesMeans = 3.0;
-    double means = 0.0;
-    double ends = 0.0;
-    for (const double mean : panel.series.back().y) {
-        means = std::fmax(means, mean);
-    }
-    for (const double end : panel.bands.back().high) {
-        ends = std::fmax(ends, end);
-    }
+    const auto largest = [](const std::vector<double>& all) {
+        return std::accumulate(all.begin(), all.end(), 0.0,
+                               [](double a, double b) { return std::fmax(a, b); });
+    };
+    const double means = largest(panel.series.back().y);
+    const double ends = largest(panel.bands.back().high);
     const bool cut = means > 0.0 && ends > kTimesMeans * means;
     if (cut) {
         panel.y.low = 0.0;
@@ -85,17 +80,13 @@ void add_response_times(PageWriter& page, const Study& study, bool tested) {
     panel = {.x = {.label = "share of answers that were as fast", .low = 0.0, .high = 1.0},
              .y = {.label = "response time", .unit = "s"}};
     for (std::size_t f = 0; f < frictions.size(); ++f) {
-        Series line{.name = "friction " + frictions[f],
-                    .ink = ink_of(f),
-                    .stroke = f == 0 ? Stroke::solid : Stroke::dashed,
-                    .mark = Mark::both};
-        for (std::size_t row = 0; row < deciles.data.cells.size(); ++row) {
-            if (deciles.data.text(row, "friction") == frictions[f]) {
-                line.x.push_back(deciles.data.number(row, "share"));
-                line.y.push_back(deciles.data.number(row, "response_s"));
-            }
-        }
-        panel.series.push_back(std::move(line));
+        const Rows mine = deciles.data.where("friction", frictions[f]);
+        panel.series.push_back({.name = "friction " + frictions[f],
+                                .x = mine.numbers("share"),
+                                .y = mine.numbers("response_s"),
+                                .ink = ink_of(f),
+                                .stroke = f == 0 ? Stroke::solid : Stroke::dashed,
+                                .mark = Mark::both});
     }
     deciles.caption = "Each person's deciles, then their geometric mean over people.";
     page.figure(deciles);
@@ -117,15 +108,11 @@ void add_calibration(PageWriter& page, const Study& study, const PageNumbers& nu
         if (!std::isfinite(share)) {
             continue;
         }
-        dots.x.push_back(level);
-        dots.y.push_back(share);
+        dots.add(level, share);
         panel.x.names.emplace_back(level, fmt::format("{:g}", level));
         if (!rows.text(row, "share_low").empty()) {
-            panel.series.push_back(
-                {.x = {level, level},
-                 .y = {rows.number(row, "share_low"), rows.number(row, "share_high")},
-                 .ink = Ink::blue,
-                 .width = 3.0});
+            panel.series.push_back(interval_bar(level, rows.number(row, "share_low"), level,
+                                                rows.number(row, "share_high"), Ink::blue));
         }
     }
     if (dots.x.empty()) {

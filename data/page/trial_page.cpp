@@ -240,16 +240,12 @@ void add_facts(PageWriter& page,
 
 /// What was felt in the trial, an entry an interval: its number and how many ticks count.
 std::vector<TrialTrace> felt_intervals(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
+    Statement felt = database.prepare(
         "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval", trial);
-    std::vector<TrialTrace> intervals;
-    while (row.step()) {
-        TrialTrace& one = intervals.emplace_back();
-        one.trial = trial;
-        one.interval = row.integer(0);
-        one.felt = row.integer_or_none(1);
-    }
-    return intervals;
+    return felt.all([trial](const Statement& row) {
+        return TrialTrace{
+            .trial = trial, .interval = row.integer(0), .felt = row.integer_or_none(1)};
+    });
 }
 
 PageFrame frame_of(const Study& study,

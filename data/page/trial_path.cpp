@@ -75,8 +75,7 @@ struct View {
 
 void add_points(Series& series, const std::vector<Vec2>& points) {
     for (const Vec2& point : points) {
-        series.x.push_back(kMilli * point.x);
-        series.y.push_back(kMilli * point.y);
+        series.add(kMilli * point.x, kMilli * point.y);
     }
 }
 
@@ -87,8 +86,7 @@ void add_path_of(Series& series, std::span<const TickRecord> ticks, const Place&
     const auto finish = [&] {
         add_points(series, thinned(run));
         if (!run.empty()) {
-            series.x.push_back(std::nan(""));
-            series.y.push_back(std::nan(""));
+            series.gap();
         }
         run.clear();
     };
@@ -108,12 +106,9 @@ std::optional<Vec2> vertex_of(const TrialTrace& trace) {
     if (trace.scene->plane() == nullptr) {
         return std::nullopt;
     }
-    for (const engine::Seam& seam : trace.scene->plane()->outline().seams()) {
-        if (seam.is_vertex) {
-            return seam.point;
-        }
-    }
-    return std::nullopt;
+    const auto& seams = trace.scene->plane()->outline().seams();
+    const auto vertex = std::ranges::find(seams, true, &engine::Seam::is_vertex);
+    return vertex == seams.end() ? std::nullopt : std::optional(vertex->point);
 }
 
 Panel path_panel(const TrialTrace& trace, const View& view) {
@@ -128,8 +123,7 @@ Panel path_panel(const TrialTrace& trace, const View& view) {
     if (!view.front) {
         Series outline{.name = "object", .ink = Ink::black, .width = 1.2};
         add_points(outline, border_of(trace));
-        outline.x.push_back(outline.x.front());
-        outline.y.push_back(outline.y.front());
+        outline.add(outline.x.front(), outline.y.front());
         panel.series.push_back(std::move(outline));
     }
     const auto ticks = trace.felt_ticks();
@@ -180,8 +174,7 @@ Panel cells_panel(const TrialTrace& trace) {
     for (std::size_t i = 0; i < protocols::PatchCover::kSide; ++i) {
         for (std::size_t j = 0; j < protocols::PatchCover::kSide; ++j) {
             if (cover.visited(i, j)) {
-                dots.x.push_back(static_cast<double>(i) + 0.5);
-                dots.y.push_back(static_cast<double>(j) + 0.5);
+                dots.add(static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5);
             }
         }
     }

@@ -196,10 +196,7 @@ std::string json_of(const TrialTrace& trace,
             fmt::format("{}{}", i == 0 ? "" : ",", 1e-9 * static_cast<double>(sticks[i].time_ns));
     }
     out += "]," + played_json(trace) + "}";
-    for (std::size_t at = out.find('<'); at != std::string::npos; at = out.find('<', at)) {
-        out.replace(at, 1, "\\u003c");  // nothing may end the element
-    }
-    return out;
+    return replaced(out, "<", "\\u003c");  // nothing may end the element
 }
 
 /// A line with the least and the largest value of each of kBins stretches of ticks.
@@ -207,8 +204,7 @@ Series least_and_largest(const Line& line, const std::vector<double>& times) {
     constexpr std::size_t kBins = 400;
     Series out{.name = line.label, .ink = line.ink, .stroke = line.stroke, .width = 1.0};
     const auto put = [&](std::size_t i) {
-        out.x.push_back(times[i]);
-        out.y.push_back(line.shown * line.values[i]);
+        out.add(times[i], line.shown * line.values[i]);
     };
     const std::size_t size = times.size();
     const std::size_t bins = std::min(kBins, size);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -46,7 +47,22 @@ struct Series {
     double width = 1.6;           ///< px
     std::vector<double> sizes{};  ///< radius of each point, px; empty: 3
     double opacity = 1.0;         ///< of the points
+
+    /// One more point; a gap behind the last one.
+    void add(double at_x, double at_y) {
+        x.push_back(at_x);
+        y.push_back(at_y);
+    }
+    void gap() {
+        constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+        add(kNone, kNone);
+    }
 };
+
+/// An interval: a bar from (x, y) to (to_x, to_y).
+[[nodiscard]] inline Series interval_bar(double x, double y, double to_x, double to_y, Ink ink) {
+    return {.x = {x, to_x}, .y = {y, to_y}, .ink = ink, .width = 3.0};
+}
 
 /// A numbered instant: a dot at (x, y) and its label in a ring beside it, where least is covered.
 struct Marker {

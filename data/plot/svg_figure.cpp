@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
@@ -66,10 +65,6 @@ std::vector<PanelPlan> plans_of(const Figure& figure, double cell) {
 constexpr double kNearest = 0.15;  // px: a point nearer to the last one drawn changes no pixel
 constexpr double kRing = 8.0;      // px, radius of a marker's label
 
-double distance(double ax, double ay, double bx, double by) {
-    return std::sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by));
-}
-
 }  // namespace
 
 std::string svg(const Figure& figure) {
@@ -118,22 +113,18 @@ std::string svg(const Figure& figure) {
            body + "</svg>\n";
 }
 
-void write_svg(const std::filesystem::path& path, const Figure& figure) {
-    write_whole(path, svg(figure));
-}
-
-PanelPlan::Point PanelPlan::place(double x, double y, const Rect& plot) const {
+PanelPlan::Point PanelPlan::place(double x, double y) const {
     // Far outside of given axes a coordinate may be huge: SVG readers keep few digits.
     const auto share = [](const AxisRange& range, double v) {
         return std::clamp(range.share(v), -100.0, 101.0);
     };
-    return {plot.x + plot.width * share(x_, x), plot.y + plot.height * (1.0 - share(y_, y))};
+    return {plot_.x + plot_.width * share(x_, x), plot_.y + plot_.height * (1.0 - share(y_, y))};
 }
 
-std::string PanelPlan::line(const Series& series, std::string_view ink, const Rect& plot) const {
+std::string PanelPlan::line(const Series& series, std::string_view ink) const {
     std::string path;
-    Point drawn;
-    Point skipped;
+    Point drawn{};
+    Point skipped{};
     bool open = false;     // a run is being drawn
     bool pending = false;  // its last point was skipped so far
     int length = 0;
@@ -152,16 +143,16 @@ std::string PanelPlan::line(const Series& series, std::string_view ink, const Re
         open = pending = false;
     };
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-        if (!x_.holds(series.x[i]) || !y_.holds(series.y[i])) {
+        if (!holds(series.x[i], series.y[i])) {
             finish();
             continue;
         }
-        const Point p = place(series.x[i], series.y[i], plot);
+        const Point p = place(series.x[i], series.y[i]);
         if (!open) {
             length = 0;
             put(p, 'M');
             open = true;
-        } else if (distance(p.x, p.y, drawn.x, drawn.y) < kNearest) {
+        } else if (glm::distance(p, drawn) < kNearest) {
             skipped = p;
             pending = true;
         } else {
@@ -182,11 +173,11 @@ std::string PanelPlan::line(const Series& series, std::string_view ink, const Re
                                           : "");
 }
 
-std::string PanelPlan::points(const Series& series, std::string_view ink, const Rect& plot) const {
+std::string PanelPlan::points(const Series& series, std::string_view ink) const {
     std::string out;
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-        if (x_.holds(series.x[i]) && y_.holds(series.y[i])) {
-            const Point p = place(series.x[i], series.y[i], plot);
+        if (holds(series.x[i], series.y[i])) {
+            const Point p = place(series.x[i], series.y[i]);
             out += fmt::format(
                 "<circle class=\"point\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"{}/>\n", px(p.x),
                 px(p.y), series.sizes.empty() ? "3" : px(series.sizes[i]), ink,
@@ -196,7 +187,7 @@ std::string PanelPlan::points(const Series& series, std::string_view ink, const 
     return out;
 }
 
-std::string PanelPlan::band(const Band& shaded, const Rect& plot) const {
+std::string PanelPlan::band(const Band& shaded) const {
     std::string there;
     std::string back;
     std::string path;
@@ -206,12 +197,12 @@ std::string PanelPlan::band(const Band& shaded, const Rect& plot) const {
         back.clear();
     };
     for (std::size_t i = 0; i < shaded.x.size(); ++i) {
-        if (!x_.holds(shaded.x[i]) || !y_.holds(shaded.low[i]) || !y_.holds(shaded.high[i])) {
+        if (!holds(shaded.x[i], shaded.low[i]) || !y_.holds(shaded.high[i])) {
             finish();
             continue;
         }
-        const Point low = place(shaded.x[i], shaded.low[i], plot);
-        const Point high = place(shaded.x[i], shaded.high[i], plot);
+        const Point low = place(shaded.x[i], shaded.low[i]);
+        const Point high = place(shaded.x[i], shaded.high[i]);
         there += fmt::format("L{} {}", px(high.x), px(high.y));
         back.insert(0, fmt::format("L{} {}", px(low.x), px(low.y)));
     }
@@ -222,40 +213,38 @@ std::string PanelPlan::band(const Band& shaded, const Rect& plot) const {
                            path, colour(shaded.ink, 7));
 }
 
-std::string PanelPlan::arrows(const Rect& plot) const {
+std::string PanelPlan::arrows() const {
     std::string out;
     for (const Arrow& arrow : panel_->arrows) {
-        const double end_x = arrow.x + arrow.dx;
-        const double end_y = arrow.y + arrow.dy;
-        if (!x_.holds(arrow.x) || !y_.holds(arrow.y) || !x_.holds(end_x) || !y_.holds(end_y)) {
+        const Point end{arrow.x + arrow.dx, arrow.y + arrow.dy};
+        if (!holds(arrow.x, arrow.y) || !holds(end.x, end.y)) {
             continue;
         }
-        const Point from = place(arrow.x, arrow.y, plot);
-        const Point to = place(end_x, end_y, plot);
-        const double length = distance(from.x, from.y, to.x, to.y);
+        const Point from = place(arrow.x, arrow.y);
+        const Point to = place(end.x, end.y);
+        const double length = glm::distance(from, to);
         if (length < 0.5) {
             continue;
         }
         const double head = std::min(7.0, 0.5 * length);
-        const double ux = (to.x - from.x) / length;
-        const double uy = (to.y - from.y) / length;
-        const Point neck{to.x - head * ux, to.y - head * uy};
+        const Point way = (to - from) / length;
+        const Point neck = to - head * way;
         const std::string_view ink = colour(arrow.ink, 6);
         out += fmt::format(
             "<path class=\"arrow\" d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1.4\"/><path "
             "d=\"M{} {}L{} {}L{} {}z\" fill=\"{}\"/>\n",
             px(from.x), px(from.y), px(neck.x), px(neck.y), ink, px(to.x), px(to.y),
-            px(neck.x - 0.45 * head * uy), px(neck.y + 0.45 * head * ux),
-            px(neck.x + 0.45 * head * uy), px(neck.y - 0.45 * head * ux), ink);
+            px(neck.x - 0.45 * head * way.y), px(neck.y + 0.45 * head * way.x),
+            px(neck.x + 0.45 * head * way.y), px(neck.y - 0.45 * head * way.x), ink);
     }
     return out;
 }
 
-std::string PanelPlan::labels(const Rect& plot) const {
+std::string PanelPlan::labels() const {
     std::string out;
     for (const Label& label : panel_->labels) {
-        if (x_.holds(label.x) && y_.holds(label.y)) {
-            const Point at = place(label.x, label.y, plot);
+        if (holds(label.x, label.y)) {
+            const Point at = place(label.x, label.y);
             out += svg_text(at.x, at.y + 0.35 * kTitleSize, label.text, kTitleSize, Anchor::middle,
                             fmt::format("fill=\"{}\" font-weight=\"bold\"", colour(label.ink, 6)));
         }
@@ -264,21 +253,20 @@ std::string PanelPlan::labels(const Rect& plot) const {
 }
 
 /// What labels should not cover: points of the lines, 4 px apart at most.
-std::vector<PanelPlan::Point> PanelPlan::ink(const Rect& plot) const {
+std::vector<PanelPlan::Point> PanelPlan::ink() const {
     std::vector<Point> ink;
     for (const Series& series : panel_->series) {
         Point last{-1e9, -1e9};
         for (std::size_t i = 0; i < series.x.size(); ++i) {
-            if (x_.holds(series.x[i]) && y_.holds(series.y[i])) {
-                const Point p = place(series.x[i], series.y[i], plot);
-                const double gap = distance(p.x, p.y, last.x, last.y);
+            if (holds(series.x[i], series.y[i])) {
+                const Point p = place(series.x[i], series.y[i]);
+                const double gap = glm::distance(p, last);
                 // Long chords are filled, so that a label does not sit on the middle of one.
                 const int steps = i > 0 && series.mark != Mark::points && gap < 4000.0
                                     ? static_cast<int>(gap / 4.0)
                                     : 0;
                 for (int k = 1; k < steps; ++k) {
-                    const double s = static_cast<double>(k) / steps;
-                    ink.push_back({last.x + s * (p.x - last.x), last.y + s * (p.y - last.y)});
+                    ink.push_back(last + static_cast<double>(k) / steps * (p - last));
                 }
                 if (gap >= 2.0) {
                     ink.push_back(p);
@@ -295,8 +283,7 @@ std::vector<PanelPlan::Point> PanelPlan::ink(const Rect& plot) const {
 PanelPlan::Point PanelPlan::label_place(const Point& dot,
                                         const std::vector<Point>& ink,
                                         const std::vector<Point>& dots,
-                                        const std::vector<Point>& labels,
-                                        const Rect& plot) {
+                                        const std::vector<Point>& labels) const {
     constexpr std::array<Point, 8> kRound{{{0.0, -1.0},
                                            {0.7071, -0.7071},
                                            {-0.7071, -0.7071},
@@ -305,23 +292,23 @@ PanelPlan::Point PanelPlan::label_place(const Point& dot,
                                            {0.0, 1.0},
                                            {0.7071, 0.7071},
                                            {-0.7071, 0.7071}}};
-    Point best;
+    Point best{};
     double least = 1e300;
     for (const double far : {16.0, 22.0, 30.0, 40.0}) {
         for (const Point& way : kRound) {
-            const Point at{dot.x + far * way.x, dot.y + far * way.y};
+            const Point at = dot + far * way;
             double cost = 0.2 * far;
             for (const Point& p : ink) {
-                cost += distance(p.x, p.y, at.x, at.y) < kRing + 3.0 ? 4.0 : 0.0;
+                cost += glm::distance(p, at) < kRing + 3.0 ? 4.0 : 0.0;
             }
             for (const Point& p : dots) {
-                cost += distance(p.x, p.y, at.x, at.y) < kRing + 4.0 ? 30.0 : 0.0;
+                cost += glm::distance(p, at) < kRing + 4.0 ? 30.0 : 0.0;
             }
             for (const Point& p : labels) {
-                cost += distance(p.x, p.y, at.x, at.y) < 2.0 * kRing + 1.0 ? 200.0 : 0.0;
+                cost += glm::distance(p, at) < 2.0 * kRing + 1.0 ? 200.0 : 0.0;
             }
-            const bool inside = at.x > plot.x + kRing && at.x < plot.x + plot.width - kRing &&
-                                at.y > plot.y + kRing && at.y < plot.y + plot.height - kRing;
+            const bool inside = at.x > plot_.x + kRing && at.x < plot_.x + plot_.width - kRing &&
+                                at.y > plot_.y + kRing && at.y < plot_.y + plot_.height - kRing;
             cost += inside ? 0.0 : 500.0;
             if (cost < least) {
                 least = cost;
@@ -332,39 +319,32 @@ PanelPlan::Point PanelPlan::label_place(const Point& dot,
     return best;
 }
 
-std::string PanelPlan::markers(const Rect& plot) const {
-    if (panel_->markers.empty()) {
-        return "";
-    }
-    const std::vector<Point> lines = ink(plot);
+std::string PanelPlan::markers() const {
     std::vector<Point> dots;
+    std::vector<std::string_view> words;
     for (const Marker& marker : panel_->markers) {
-        if (x_.holds(marker.x) && y_.holds(marker.y)) {
-            dots.push_back(place(marker.x, marker.y, plot));
+        if (holds(marker.x, marker.y)) {
+            dots.push_back(place(marker.x, marker.y));
+            words.emplace_back(marker.label);
         }
     }
+    const std::vector<Point> lines = dots.empty() ? std::vector<Point>() : ink();
     std::vector<Point> labels;
     std::string out;
-    std::size_t next = 0;
-    for (const Marker& marker : panel_->markers) {
-        if (!x_.holds(marker.x) || !y_.holds(marker.y)) {
-            continue;
-        }
-        const Point dot = dots[next++];
-        const Point best = label_place(dot, lines, dots, labels, plot);
+    for (std::size_t i = 0; i < dots.size(); ++i) {
+        const Point& dot = dots[i];
+        const Point best = label_place(dot, lines, dots, labels);
         labels.push_back(best);
-        const double gap = distance(best.x, best.y, dot.x, dot.y);
-        const double s = 1.0 - kRing / gap;
-        const double width = std::max(2.0 * kRing, text_width(marker.label, 10.0) + 6.0);
+        const Point ring = dot + (1.0 - kRing / glm::distance(best, dot)) * (best - dot);
+        const double width = std::max(2.0 * kRing, text_width(words[i], 10.0) + 6.0);
         out += fmt::format(
             "<path d=\"M{0} {1}L{2} {3}\" stroke=\"#000000\" stroke-width=\"0.8\"/><circle "
             "class=\"marker\" cx=\"{0}\" cy=\"{1}\" r=\"2.6\" fill=\"#000000\"/><rect x=\"{4}\" "
             "y=\"{5}\" width=\"{6}\" height=\"{7}\" rx=\"{8}\" fill=\"#ffffff\" stroke=\"#000000\" "
             "stroke-width=\"0.9\"/>\n",
-            px(dot.x), px(dot.y), px(dot.x + s * (best.x - dot.x)),
-            px(dot.y + s * (best.y - dot.y)), px(best.x - width / 2.0), px(best.y - kRing),
-            px(width), px(2.0 * kRing), px(kRing));
-        out += svg_text(best.x, best.y + 3.6, marker.label, 10.0, Anchor::middle);
+            px(dot.x), px(dot.y), px(ring.x), px(ring.y), px(best.x - width / 2.0),
+            px(best.y - kRing), px(width), px(2.0 * kRing), px(kRing));
+        out += svg_text(best.x, best.y + 3.6, words[i], 10.0, Anchor::middle);
     }
     return out;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "data/plot/figure.hpp"
@@ -13,8 +12,5 @@ namespace palpate::data {
 /// @throws std::invalid_argument: x and y of different length, no panel, an empty or non-positive
 ///         log range, sizes out of range
 [[nodiscard]] std::string svg(const Figure& figure);
-
-/// svg() into a file. @throws std::runtime_error if it cannot be written
-void write_svg(const std::filesystem::path& path, const Figure& figure);
 
 }  // namespace palpate::data

@@ -201,7 +201,8 @@ double PanelPlan::footer() const {
     return panel_->x.label.empty() && panel_->x.unit.empty() ? 24.0 : 40.0;
 }
 
-std::string PanelPlan::axes(const Rect& plot, std::string_view clip_id) const {
+std::string PanelPlan::axes(std::string_view clip_id) const {
+    const Rect& plot = plot_;
     std::string out = fmt::format(
         "<clipPath id=\"{0}\"><rect x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\"/></clipPath>\n"
         "<rect class=\"plot\" x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\" fill=\"none\" "
@@ -248,14 +249,14 @@ std::string PanelPlan::axes(const Rect& plot, std::string_view clip_id) const {
     return out;
 }
 
-std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id) const {
-    const Rect plot{cell_x + left_, top, width_ - left_ - kPlotRight, panel_->height};
+std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id) {
+    plot_ = {cell_x + left_, top, width_ - left_ - kPlotRight, panel_->height};
     std::string out = "<g class=\"panel\">\n";
     if (!panel_->title.empty()) {
-        out += svg_text(plot.x, top - header() + 14.0, panel_->title, kTitleSize, Anchor::start,
+        out += svg_text(plot_.x, top - header() + 14.0, panel_->title, kTitleSize, Anchor::start,
                         "font-weight=\"bold\"");
     }
-    out += axes(plot, clip_id) + legend(plot);
+    out += axes(clip_id) + legend();
     out += fmt::format("<g clip-path=\"url(#{})\">\n", clip_id);
     for (const Shade& shade : panel_->shades) {
         if (x_.holds(shade.from) && x_.holds(shade.to)) {
@@ -264,31 +265,30 @@ std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id)
             out += fmt::format(
                 "<rect class=\"shade\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" "
                 "fill-opacity=\"0.18\"/>\n",
-                px(plot.x + plot.width * a), px(plot.y), px(plot.width * (b - a)), px(plot.height),
-                colour(shade.ink, 7));
+                px(plot_.x + plot_.width * a), px(plot_.y), px(plot_.width * (b - a)),
+                px(plot_.height), colour(shade.ink, 7));
         }
     }
     for (const Band& shaded : panel_->bands) {
-        out += band(shaded, plot);
+        out += band(shaded);
     }
     for (std::size_t i = 0; i < panel_->series.size(); ++i) {
         const Series& series = panel_->series[i];
         const std::string_view ink = colour(series.ink, i);
         if (series.mark != Mark::points) {
-            out += line(series, ink, plot);
+            out += line(series, ink);
         }
         if (series.mark != Mark::line) {
-            out += points(series, ink, plot);
+            out += points(series, ink);
         }
     }
-    return out + arrows(plot) + "</g>\n" + labels(plot) + markers(plot) + "</g>\n";
+    return out + arrows() + "</g>\n" + labels() + markers() + "</g>\n";
 }
 
 void PanelPlan::plan_legend() {
     entries_.clear();
     const auto known = [&](const std::string& name) {
-        return name.empty() || std::any_of(entries_.begin(), entries_.end(),
-                                           [&](const Entry& e) { return e.name == name; });
+        return name.empty() || std::ranges::find(entries_, name, &Entry::name) != entries_.end();
     };
     for (std::size_t i = 0; i < panel_->series.size(); ++i) {
         const Series& s = panel_->series[i];
@@ -298,21 +298,16 @@ void PanelPlan::plan_legend() {
                                 s.stroke});
         }
     }
-    for (const Arrow& arrow : panel_->arrows) {
-        if (!known(arrow.name)) {
-            entries_.push_back({arrow.name, colour(arrow.ink, 6), Entry::Kind::arrow});
+    const auto add = [&](const auto& all, std::size_t turn, Entry::Kind kind) {
+        for (const auto& one : all) {
+            if (!known(one.name)) {
+                entries_.push_back({one.name, colour(one.ink, turn), kind});
+            }
         }
-    }
-    for (const Shade& shade : panel_->shades) {
-        if (!known(shade.name)) {
-            entries_.push_back({shade.name, colour(shade.ink, 7), Entry::Kind::shade});
-        }
-    }
-    for (const Band& band : panel_->bands) {
-        if (!known(band.name)) {
-            entries_.push_back({band.name, colour(band.ink, 7), Entry::Kind::shade});
-        }
-    }
+    };
+    add(panel_->arrows, 6, Entry::Kind::arrow);
+    add(panel_->shades, 7, Entry::Kind::shade);
+    add(panel_->bands, 7, Entry::Kind::shade);
     double x = 0.0;
     int row = 0;
     const double width = width_ - left_ - kPlotRight;
@@ -329,11 +324,11 @@ void PanelPlan::plan_legend() {
     legend_rows_ = entries_.empty() ? 0 : row + 1;
 }
 
-std::string PanelPlan::legend(const Rect& plot) const {
+std::string PanelPlan::legend() const {
     std::string out;
     for (const Entry& e : entries_) {
-        const double x = plot.x + e.x;
-        const double y = plot.y - 6.0 - (legend_rows_ - 1 - e.row) * kLine - 4.0;
+        const double x = plot_.x + e.x;
+        const double y = plot_.y - 6.0 - (legend_rows_ - 1 - e.row) * kLine - 4.0;
         switch (e.kind) {
             case Entry::Kind::points:
                 out += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>\n",

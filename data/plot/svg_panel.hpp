@@ -4,18 +4,11 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/geometry/vec.hpp"
 #include "data/plot/axis_ticks.hpp"
 #include "data/plot/figure.hpp"
 
 namespace palpate::data {
-
-/// A rectangle on the page, px, y downwards.
-struct Rect {
-    double x = 0.0;
-    double y = 0.0;
-    double width = 0.0;
-    double height = 0.0;
-};
 
 inline constexpr double kTitleSize = 13.0;  ///< px, of text
 inline constexpr double kTextSize = 11.5;   ///< px
@@ -44,7 +37,7 @@ public:
     void align(double left);
 
     /// The panel with its plot area's top left corner at (cell_x + left(), top).
-    [[nodiscard]] std::string draw(double cell_x, double top, std::string_view clip_id) const;
+    [[nodiscard]] std::string draw(double cell_x, double top, std::string_view clip_id);
 
 private:
     struct Entry {
@@ -55,37 +48,39 @@ private:
         double x = 0.0;  ///< from the left of the plot area
         int row = 0;
     };
-    struct Point {
+    using Point = engine::Vec2;  ///< on the page, px, y downwards
+
+    /// The plot area.
+    struct Rect {
         double x = 0.0;
         double y = 0.0;
+        double width = 0.0;
+        double height = 0.0;
     };
 
     void find_ranges();
     void fit_ranges();
     void plan_legend();
-    [[nodiscard]] Point place(double x, double y, const Rect& plot) const;
-    [[nodiscard]] std::string axes(const Rect& plot, std::string_view clip_id) const;
-    [[nodiscard]] std::string legend(const Rect& plot) const;
-    [[nodiscard]] std::string line(const Series& series,
-                                   std::string_view ink,
-                                   const Rect& plot) const;
-    [[nodiscard]] std::string points(const Series& series,
-                                     std::string_view ink,
-                                     const Rect& plot) const;
-    [[nodiscard]] std::string band(const Band& shaded, const Rect& plot) const;
-    [[nodiscard]] std::string arrows(const Rect& plot) const;
-    [[nodiscard]] std::string labels(const Rect& plot) const;
-    [[nodiscard]] std::string markers(const Rect& plot) const;
-    [[nodiscard]] std::vector<Point> ink(const Rect& plot) const;
-    [[nodiscard]] static Point label_place(const Point& dot,
-                                           const std::vector<Point>& ink,
-                                           const std::vector<Point>& dots,
-                                           const std::vector<Point>& labels,
-                                           const Rect& plot);
+    [[nodiscard]] bool holds(double x, double y) const { return x_.holds(x) && y_.holds(y); }
+    [[nodiscard]] Point place(double x, double y) const;
+    [[nodiscard]] std::string axes(std::string_view clip_id) const;
+    [[nodiscard]] std::string legend() const;
+    [[nodiscard]] std::string line(const Series& series, std::string_view ink) const;
+    [[nodiscard]] std::string points(const Series& series, std::string_view ink) const;
+    [[nodiscard]] std::string band(const Band& shaded) const;
+    [[nodiscard]] std::string arrows() const;
+    [[nodiscard]] std::string labels() const;
+    [[nodiscard]] std::string markers() const;
+    [[nodiscard]] std::vector<Point> ink() const;
+    [[nodiscard]] Point label_place(const Point& dot,
+                                    const std::vector<Point>& ink,
+                                    const std::vector<Point>& dots,
+                                    const std::vector<Point>& labels) const;
 
     const Panel* panel_;
     double width_ = 0.0;
     double left_ = 0.0;
+    Rect plot_{};       ///< as it is drawn
     AxisRange data_x_;  ///< before widening for equal aspect
     AxisRange data_y_;
     AxisRange x_;

@@ -21,6 +21,14 @@ bool alike(std::span<const double> values, double size) {
     return high - low <= kRounding * std::max({size, std::fabs(low), std::fabs(high)});
 }
 
+double squares_about(double mean, std::span<const double> values) {
+    double squares = 0.0;
+    for (const double value : values) {
+        squares += (value - mean) * (value - mean);
+    }
+    return squares;
+}
+
 /// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not
 /// known.
 std::optional<double> half_width(std::span<const double> values, double mean, double size) {
@@ -28,12 +36,7 @@ std::optional<double> half_width(std::span<const double> values, double mean, do
         return std::nullopt;
     }
     const auto n = static_cast<double>(values.size());
-    double squares = 0.0;
-    for (const double value : values) {
-        squares += (value - mean) * (value - mean);
-    }
-    const double t = t_quantile(0.975, n - 1.0);
-    return t * std::sqrt(squares / (n - 1.0) / n);
+    return t_quantile(0.975, n - 1.0) * std::sqrt(squares_about(mean, values) / (n - 1.0) / n);
 }
 
 /// From the least on: sums do not depend on who comes first.
@@ -44,11 +47,7 @@ std::vector<double> in_order(std::span<const double> values) {
 }
 
 double mean_of(std::span<const double> values) {
-    double sum = 0.0;
-    for (const double value : values) {
-        sum += value;
-    }
-    return sum / static_cast<double>(values.size());
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// The sums of all patterns of signs.
@@ -218,12 +217,10 @@ std::optional<PairedT> paired_t(std::span<const double> differences, double size
     if (!mean.interval) {
         return std::nullopt;
     }
-    double squares = 0.0;
-    for (const double one : differences) {
-        squares += (one - mean.mean) * (one - mean.mean);
-    }
     const auto n = static_cast<double>(differences.size());
-    PairedT made{.mean = mean.mean, .sd = std::sqrt(squares / (n - 1.0)), .df = n - 1.0};
+    PairedT made{.mean = mean.mean,
+                 .sd = std::sqrt(squares_about(mean.mean, differences) / (n - 1.0)),
+                 .df = n - 1.0};
     made.t = made.mean / (made.sd / std::sqrt(n));
     made.p = t_two_sided(made.t, made.df);
     made.interval = *mean.interval;

@@ -67,18 +67,15 @@ Matrix hessian_of(const SmoothFunction& f, const Vector& at) {
     return hessian;
 }
 
-using Value = std::function<double(std::span<const double>)>;
-
-struct Corner {
-    std::vector<double> at{};
-    double value = 0.0;
-};
+using Corner = SimplexMaximum;
 
 bool higher(const Corner& a, const Corner& b) {
     return a.value > b.value;
 }
 
-Corner run(const Value& value, const std::vector<double>& start, const std::vector<double>& edge) {
+Corner run(const SmoothFunction& value,
+           const std::vector<double>& start,
+           const std::vector<double>& edge) {
     const auto corner = [&](std::vector<double> point) {
         const double at = value(point);
         return Corner{std::move(point), at};
@@ -217,7 +214,7 @@ std::optional<std::vector<double>> inverse_curvature(const SmoothFunction& f,
     return numbers_of(hessian.ldlt().solve(Matrix::Identity(hessian.rows(), hessian.cols())));
 }
 
-SimplexMaximum simplex_maximum(const Value& value,
+SimplexMaximum simplex_maximum(const SmoothFunction& value,
                                std::vector<double> start,
                                std::vector<double> edge) {
     Corner best{std::move(start), -std::numeric_limits<double>::infinity()};
@@ -228,13 +225,13 @@ SimplexMaximum simplex_maximum(const Value& value,
             best = std::move(found);
         }
         if (gained < 1e-9) {
-            return {std::move(best.at), best.value, true};
+            break;
         }
         for (double& one : edge) {  // another shape than the one that shrank
             one *= -0.7;
         }
     }
-    return {std::move(best.at), best.value, false};
+    return best;
 }
 
 }  // namespace palpate::data

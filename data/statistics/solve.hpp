@@ -51,16 +51,14 @@ void polish(const SmoothFunction& f, Minimum& best);
 struct SimplexMaximum {
     std::vector<double> at{};
     double value = 0.0;
-    bool settled = false;  ///< begun anew there it gains less than 1e-9
 };
 
 /// A maximum near `start` by the simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun
-/// anew where it ended, up to 12 times.
+/// anew where it ended, up to 12 times, until that gains less than 1e-9.
 /// @param value  of a point; may be -infinity
 /// @param edge   length of the first edge along each parameter, not 0
-[[nodiscard]] SimplexMaximum simplex_maximum(
-    const std::function<double(std::span<const double>)>& value,
-    std::vector<double> start,
-    std::vector<double> edge);
+[[nodiscard]] SimplexMaximum simplex_maximum(const SmoothFunction& value,
+                                             std::vector<double> start,
+                                             std::vector<double> edge);
 
 }  // namespace palpate::data

@@ -280,16 +280,16 @@ TEST_CASE("a difference has no bootstrap interval where one of its curves has no
                   .condition = "on",
                   .levels = counted(1.0, 40, {0, 0, 40, 40}),
                   .stream = 1};
-    const auto difference = [&] {
-        return fit_all("test", {bounded, other}, {.bootstrap = 100}).differences.at(0);
+    const auto differences = [&] {
+        return fit_all("test", {bounded, other}, {.bootstrap = 100}).differences;
     };
-    const Difference unbounded = difference();
-    CHECK(std::isnan(unbounded.jnd));
-    CHECK_FALSE(unbounded.jnd_interval);
-    CHECK_FALSE(unbounded.threshold_interval);
+    const std::vector<Difference> unbounded = differences();
+    CHECK(std::isnan(unbounded.at(1).value));
+    CHECK_FALSE(unbounded.at(1).interval);
+    CHECK_FALSE(unbounded.at(0).interval);
     other.levels = counted(1.0, 40, {1, 6, 17, 31, 39});
-    CHECK(difference().jnd_interval);
-    CHECK(difference().threshold_interval);
+    CHECK(differences().at(1).interval);
+    CHECK(differences().at(0).interval);
 }
 
 TEST_CASE("answers that bound nothing are reported so, and a prior bounds them", "[fit]") {

@@ -214,8 +214,6 @@ TEST_CASE("a figure refuses what it cannot draw, with what and how to repair it"
     figure = one_panel({1, 2}, {1, 2});
     figure.width = std::numeric_limits<double>::quiet_NaN();
     CHECK_THROWS_WITH(svg(figure), Has("nan px wide"));
-    CHECK_THROWS_WITH(write_svg("/nowhere/at/all.svg", one_panel({1}, {1})),
-                      Has("/nowhere/at/all.svg"));
     CHECK_NOTHROW(svg(one_panel({}, {})));  // axes and "no data"
 }
 

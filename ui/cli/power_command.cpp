@@ -278,7 +278,7 @@ int run(const PowerOptions& options) {
     add_points(people_of(people, study.seed), people_of(nobody, study.seed + 1), participants,
                effect && effect->mean == 0.0, report);
     if (!options.drawing.empty()) {
-        data::write_svg(options.drawing, power_figure(report));
+        write_whole(options.drawing, data::svg(power_figure(report)));
     }
     say("{}", options.json ? power_json(report) : power_text(report));
     return 0;
