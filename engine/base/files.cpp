@@ -128,12 +128,9 @@ mode_t usual_rights(mode_t wanted) {
 }
 
 PartLock::PartLock(const std::filesystem::path& part)
-    : fd_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
-    ::flock(fd_, LOCK_EX | LOCK_NB);  // some network disks cannot: then nothing is removed either
-}
-
-PartLock::~PartLock() {
-    ::close(fd_);
+    : part_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
+    // Some network disks cannot: then nothing is removed either.
+    ::flock(part_.get(), LOCK_EX | LOCK_NB);
 }
 
 void remove_leftovers(const std::filesystem::path& folder) {

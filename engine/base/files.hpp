@@ -8,6 +8,7 @@
 
 #include <sys/types.h>
 
+#include "engine/base/descriptor.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate {
@@ -52,12 +53,9 @@ public:
     /// Locks the file or folder (flock). Where that cannot be had nothing is removed either;
     /// nothing is thrown.
     explicit PartLock(const std::filesystem::path& part);
-    PartLock(const PartLock&) = delete;
-    PartLock& operator=(const PartLock&) = delete;
-    ~PartLock();
 
 private:
-    int fd_ = -1;
+    Descriptor part_;
 };
 
 /// Removes from a folder what a palpate of this user that was killed left half made there, and says

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/descriptor.hpp"
+
 namespace palpate::engine {
 
 /// A stretch of this program's memory.
@@ -100,7 +102,7 @@ public:
 private:
     bool locked_ = false;
     std::optional<int> spared_before_{};  ///< what oom_score_adj was
-    int latency_file_ = -1;
+    Descriptor latency_file_{};           ///< closing it takes the request back
 };
 
 /// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as
