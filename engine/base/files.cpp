@@ -260,14 +260,6 @@ void write_new(const std::filesystem::path& file, std::string_view text, Rights 
     static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
 }
 
-void write_whole(const std::filesystem::path& file, std::string_view text) {
-    write_whole(file, text, Rights::usual);
-}
-
-void write_new(const std::filesystem::path& file, std::string_view text) {
-    write_new(file, text, Rights::usual);
-}
-
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);

@@ -66,9 +66,8 @@ Rig simulated_rig(const engine::Calibration& machine) {
     return rig;
 }
 
-Rig emulated_rig(engine::Calibration& machine) {
+Rig emulated_rig(const engine::Calibration& machine) {
     Rig rig;
-    machine.home = engine::Exploration{}.start;  // where an emulated board finds its handle
     rig.emulated = std::make_unique<engine::EmulatedHaply>(
         machine,
         [plant = free_plant(machine)] {
@@ -102,7 +101,7 @@ Rig real_rig(const CommissionOptions& options,
             [there = engine::home_of(machine), axes = machine.axes()](const Vec3& place) mutable {
                 const bool already = place == there;
                 there = place;
-                return already || wait_for_enter(fmt::format(
+                return already || typed_after(fmt::format(
                                       "Bring the handle to {}, let go of it and press Enter. ",
                                       engine::place_text(place, axes)));
             },
@@ -111,7 +110,7 @@ Rig real_rig(const CommissionOptions& options,
     return rig;
 }
 
-Rig open_rig(const CommissionOptions& options, engine::Calibration& machine) {
+Rig open_rig(const CommissionOptions& options, const engine::Calibration& machine) {
     const DeviceChoice choice = parse_device(options.device);
     switch (choice.kind) {
         case DeviceChoice::Kind::simulated:
@@ -228,7 +227,7 @@ int run(const CommissionOptions& options) {
     engine::Calibration machine =
         rig_file_of(parse_device(options.device), options.calibration).calibration;
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
-        machine.home = engine::Exploration{}.start;
+        machine.home = engine::Exploration{}.start;  // where such a board finds its handle
     }
     const std::vector<Vec3> places = places_of(options, machine);
     const Vec3 mass = mass_of(options, machine);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -44,19 +46,12 @@ void print_findings(const std::vector<Finding>& findings) {
     }
 }
 
-std::size_t differences(const std::vector<Finding>& findings) {
-    std::size_t found = 0;
-    for (const Finding& finding : findings) {
-        found += finding.kind == FindingKind::differs ? 1 : 0;
-    }
-    return found;
-}
-
 void print_text(const std::string& file, const data::Verification& found) {
     say("{}: {}\n", plain(file), counted(found.sessions.size(), "session"));
     print_findings(found.file);
     for (const SessionReport& session : found.sessions) {
-        const std::size_t different = differences(session.findings);
+        const auto different = static_cast<std::size_t>(
+            std::ranges::count(session.findings, FindingKind::differs, &Finding::kind));
         say("{}, participant {}, session {} ({}{}): {}, {} replayed, {}\n", plain(session.study),
             plain(session.participant), session.number, plain(session.kind),
             session.finished ? "" : ", not finished", counted(session.trials, "trial"),

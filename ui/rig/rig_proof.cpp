@@ -100,7 +100,7 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
                        const engine::Calibration& calibration,
                        const engine::Vec3& mark) {
     const std::string aim = engine::place_text(mark, calibration.axes());
-    if (!wait_for_enter(fmt::format(
+    if (!typed_after(fmt::format(
             "Bring the handle to the second mark {}, let go of it and press Enter. ", aim))) {
         throw std::runtime_error(
             interrupted() ? "stopped before the second mark was tried; no session was begun"
@@ -194,10 +194,6 @@ std::optional<std::string> typed_after(const std::string& question) {
     const TypedAnswer answering;  // before anybody can answer
     say("{}", question);
     return typed_line();
-}
-
-bool wait_for_enter(const std::string& text) {
-    return typed_after(text).has_value();
 }
 
 void in_real_time(const std::function<void()>& work) {

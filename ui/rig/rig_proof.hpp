@@ -38,10 +38,7 @@ struct OpeningFact {
 /// there is none that can be read.
 [[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
 
-/// Says `text` and waits for Enter. @return false at the end of standard input, or once
-/// interrupted()
-[[nodiscard]] bool wait_for_enter(const std::string& text);
-/// What is typed after a question. @return none: standard input ended, or the program is to stop
+/// What is typed after a question, up to Enter. @return none: standard input ended, or the program is to stop
 [[nodiscard]] std::optional<std::string> typed_after(const std::string& question);
 
 /// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.

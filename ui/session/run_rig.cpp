@@ -351,7 +351,7 @@ RigEnd run_rig(data::Database& database,
     add_simulated_observer(observers, spec, plan, *felt.port, desk, live);
     print_start(spec, plan, opened, *felt.port);
     if (opened.finished) {
-        return {.session = {.next = plan.trials.size()}, .already_finished = true};
+        return {.session = {.next = plan.trials.size()}};
     }
     data::require_space(database.file(), protocol, opened.progress.pending().order().size());
     print_help(database, spec, observers.screen != nullptr);
