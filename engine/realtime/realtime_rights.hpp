@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <signal.h>
+
 #include "engine/base/descriptor.hpp"
 
 namespace palpate::engine {
@@ -108,5 +110,22 @@ private:
 /// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as
 /// well, so that no tick is the first to reach a page of it.
 void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
+
+/// While this lives the calling thread, and every thread that it starts, gets no signal: those are
+/// for the threads that were there before.
+class AllSignalsBlocked {
+public:
+    AllSignalsBlocked() noexcept {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    AllSignalsBlocked(const AllSignalsBlocked&) = delete;
+    AllSignalsBlocked& operator=(const AllSignalsBlocked&) = delete;
+    ~AllSignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+private:
+    sigset_t before_{};
+};
 
 }  // namespace palpate::engine

@@ -7,6 +7,7 @@
 #include "data/csv/json_text.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -73,17 +74,12 @@ void print_text(const std::string& file, const data::Verification& found) {
     }
 }
 
-template <class T>
-Json json_of(const std::optional<T>& value) {
-    return value ? Json(*value) : Json();
-}
-
 Json json_of(const std::vector<Finding>& findings) {
     Json all = Json::array();
     for (const Finding& finding : findings) {
         all.push_back({{"kind", finding.kind == FindingKind::differs ? "differs" : "missing"},
-                       {"trial", json_of(finding.trial)},
-                       {"tick", json_of(finding.tick)},
+                       {"trial", json_or_null(finding.trial)},
+                       {"tick", json_or_null(finding.tick)},
                        {"what", finding.what},
                        {"stored", finding.stored},
                        {"recomputed", finding.recomputed},

@@ -35,7 +35,7 @@ constexpr const char* kKeepsForce =
     "a force is on; put a switch into the motors' supply, within the experimenter's reach";
 
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
-                                                          std::vector<OpeningFact>& opening) {
+                                                          std::vector<protocols::Event>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const auto& [calibration, record] = spec.rig;
     require_fit(protocol, spec.device, calibration.axes());

@@ -157,7 +157,8 @@ LiveFacts live_facts(const RigSpec& spec,
                      const data::OpenedSession& opened) {
     data::Statement row =
         database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
-    const auto check = std::ranges::find(felt.opening, protocols::kRigCheck, &OpeningFact::key);
+    const auto check =
+        std::ranges::find(felt.opening, protocols::kRigCheck, &protocols::Event::key);
     return {.uuid = std::string(row.text(0)),
             .file = std::filesystem::absolute(database.file()).string(),
             .kind = std::string(to_string(spec.kind)),

@@ -150,17 +150,6 @@ void print_start(const RigSpec& spec,
     }
 }
 
-std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& facts) {
-    std::vector<protocols::Event> events;
-    for (const OpeningFact& fact : facts) {
-        events.push_back({.kind = protocols::EventKind::provenance,
-                          .text = fact.text,
-                          .key = fact.key,
-                          .value = fact.value});
-    }
-    return events;
-}
-
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
 void check_findings(const OpenedApparatus& felt) {
@@ -242,7 +231,7 @@ protocols::Ports ports_of(const RigSpec& spec,
     return {.apparatus = *felt.port,
             .observer = observer,
             .recorder = recorder,
-            .opening = opening_events(felt.opening),
+            .opening = felt.opening,
             .interrupted =
                 [&live] {
                     live.pump();

@@ -55,12 +55,9 @@ SessionChoice choose_session(data::Database& database,
     const auto there = data::find_session(database, study.protocol.id, choice.key);
     choice.key.secret = there ? there->run_as.secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
-    choice.over = there ? there->over : std::string();
-    choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
-    choice.kind = choice.begun ? there->kind : std::string();
-    choice.run_as = choice.begun ? there->run_as : choice.key;
-    choice.plan_hash = choice.begun ? there->plan_hash : std::string();
+    choice.there = there.value_or(data::SessionState{});
+    choice.there.run_as = choice.there.begun ? there->run_as : choice.key;
     return choice;
 }
 
@@ -68,11 +65,11 @@ void require_kind(const SessionChoice& choice,
                   const Study& study,
                   data::RunKind kind,
                   const std::string& file) {
-    refuse_if(choice.begun && choice.kind != to_string(kind),
+    refuse_if(choice.there.begun && choice.there.kind != to_string(kind),
               "{}: session {} of {} in {} is a {} session; it cannot go on as {}: run it with the "
               "--device and --kind it was begun with, or begin another by --session {}",
-              file, choice.key.session, choice.key.participant, study.protocol.id, choice.kind,
-              to_string(kind), choice.last + 1);
+              file, choice.key.session, choice.key.participant, study.protocol.id,
+              choice.there.kind, to_string(kind), choice.last + 1);
 }
 
 void check_goes_on(data::Database& database, data::SessionSpec& session) {
