@@ -94,8 +94,6 @@ public:
     ProgramRights(const RealtimeWish& wish,
                   RealtimeRights& rights,
                   std::span<const MemoryPart> own = {}) noexcept;
-    ProgramRights(const ProgramRights&) = delete;
-    ProgramRights& operator=(const ProgramRights&) = delete;
     /// Gives them back; memory when the last of several lets go.
     ~ProgramRights();
     /// Between trials: locks what the heap has grown by.

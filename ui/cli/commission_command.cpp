@@ -36,7 +36,7 @@ struct CommissionOptions {
     std::string output;
 };
 
-constexpr double kPeriod = 1e-3;
+constexpr double kPeriod = 1e-3;  ///< s, as a desk has it
 
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {
@@ -59,8 +59,10 @@ Rig simulated_rig(const engine::Calibration& machine) {
         engine::PantographModel{.plant = free_plant(machine)}, kPeriod);
     rig.desk = {.bring = [simulated = device.get()](
                              const Vec3& place) { return bring_handle(*simulated, Vec2(place)); },
-                .wait = [] { return true; },
-                .period = kPeriod};
+                .wait =
+                    [] {
+                        return true;
+                    }};
     rig.device = device.get();
     rig.own = std::move(device);
     return rig;
@@ -81,8 +83,7 @@ Rig emulated_rig(const engine::Calibration& machine) {
                         emulated->begin({.start = Vec2(place), .tremor = 0.0});
                         return true;
                     },
-                .wait = ticks_until(kPeriod, interrupted),
-                .period = kPeriod};
+                .wait = ticks_until(kPeriod, interrupted)};
     return rig;
 }
 
@@ -105,8 +106,7 @@ Rig real_rig(const CommissionOptions& options,
                                       "Bring the handle to {}, let go of it and press Enter. ",
                                       engine::place_text(place, axes)));
             },
-        .wait = ticks_until(kPeriod, interrupted),
-        .period = kPeriod};
+        .wait = ticks_until(kPeriod, interrupted)};
     return rig;
 }
 

@@ -121,8 +121,6 @@ public:
                 pid_ > 0 && readable(said.get(), kPatienceMs) && read(said.get(), &first, 1) == 1;
         }
     }
-    StayAwake(const StayAwake&) = delete;
-    StayAwake& operator=(const StayAwake&) = delete;
     ~StayAwake() {
         pipe_ = Descriptor();
         if (pid_ > 0) {

@@ -23,8 +23,6 @@ public:
             dup2(nowhere.get(), STDERR_FILENO);
         }
     }
-    Hush(const Hush&) = delete;
-    Hush& operator=(const Hush&) = delete;
     ~Hush() {
         if (saved_.get() >= 0) {
             dup2(saved_.get(), STDERR_FILENO);

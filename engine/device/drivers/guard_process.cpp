@@ -202,7 +202,7 @@ bool GuardProcess::acknowledged() const noexcept {
 }
 
 bool GuardProcess::watch(int port, const GuardPackets& packets) {
-    GuardMessage message{.what = GuardMessage::What::watch};
+    GuardMessage message;
     if (packets.zero.empty() || port < 0 || packets.answer.size() > packets.answer_size ||
         !message.zero.fill(packets.zero) || !message.setup.fill(packets.setup) ||
         !message.answer.fill(packets.answer)) {

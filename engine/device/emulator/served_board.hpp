@@ -51,8 +51,6 @@ public:
     ///               older link, never of a file; empty: none
     /// @throws std::runtime_error if the system gives no terminal or the link cannot be made
     PtyBoard(PortBoard& board, std::string link);
-    PtyBoard(const PtyBoard&) = delete;
-    PtyBoard& operator=(const PtyBoard&) = delete;
     ~PtyBoard();
 
     /// Where the host opens it: the link, or the terminal itself.
