@@ -128,12 +128,9 @@ mode_t usual_rights(mode_t wanted) {
 }
 
 PartLock::PartLock(const std::filesystem::path& part)
-    : fd_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
-    ::flock(fd_, LOCK_EX | LOCK_NB);  // some network disks cannot: then nothing is removed either
-}
-
-PartLock::~PartLock() {
-    ::close(fd_);
+    : part_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
+    // Some network disks cannot: then nothing is removed either.
+    ::flock(part_.get(), LOCK_EX | LOCK_NB);
 }
 
 void remove_leftovers(const std::filesystem::path& folder) {
@@ -261,14 +258,6 @@ void write_new(const std::filesystem::path& file, std::string_view text, Rights 
         fail(file.string(), error);
     }
     static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
-}
-
-void write_whole(const std::filesystem::path& file, std::string_view text) {
-    write_whole(file, text, Rights::usual);
-}
-
-void write_new(const std::filesystem::path& file, std::string_view text) {
-    write_new(file, text, Rights::usual);
 }
 
 void make_folder(const std::filesystem::path& folder) {

@@ -8,6 +8,7 @@
 
 #include <sys/types.h>
 
+#include "engine/base/descriptor.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate {
@@ -52,12 +53,9 @@ public:
     /// Locks the file or folder (flock). Where that cannot be had nothing is removed either;
     /// nothing is thrown.
     explicit PartLock(const std::filesystem::path& part);
-    PartLock(const PartLock&) = delete;
-    PartLock& operator=(const PartLock&) = delete;
-    ~PartLock();
 
 private:
-    int fd_ = -1;
+    Descriptor part_;
 };
 
 /// Removes from a folder what a palpate of this user that was killed left half made there, and says
@@ -78,8 +76,9 @@ void require_writable(const std::filesystem::path& file, std::string_view text);
 /// protocol. Pipes and terminals have no kind.
 /// @throws std::invalid_argument if a file of another kind is there, std::runtime_error if it
 ///         cannot be written; both with file, why and remedy
-void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights);
-void write_whole(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
+void write_whole(const std::filesystem::path& file,
+                 std::string_view text,
+                 Rights rights = Rights::usual);
 
 /// write_whole() bit by bit, for what is longer than the memory: the file is there once it is
 /// finished. Standard output gets each bit at once.
@@ -108,8 +107,9 @@ private:
 /// comes first.
 /// @throws std::invalid_argument if it is there or cannot be made, std::runtime_error if it did not
 ///         become whole: it is gone then
-void write_new(const std::filesystem::path& file, std::string_view text, Rights rights);
-void write_new(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
+void write_new(const std::filesystem::path& file,
+               std::string_view text,
+               Rights rights = Rights::usual);
 
 /// Makes a folder and those around it, as far as they are not there.
 /// @throws std::invalid_argument if that cannot be done

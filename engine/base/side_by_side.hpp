@@ -22,8 +22,6 @@ class SideBySide {
 public:
     /// @param cores  of which one is the owner's; 1: who waits does it all
     explicit SideBySide(std::size_t cores = usable_processors());
-    SideBySide(const SideBySide&) = delete;
-    SideBySide& operator=(const SideBySide&) = delete;
     /// What has not begun by now is left out.
     ~SideBySide();
 

@@ -23,6 +23,16 @@ constexpr const char* kCorrect = ": correct the wiring or the calibration, then 
 constexpr const char* kAgain = ". Commission again once that is right";
 constexpr double kTick = 1e-3;  ///< s, of the stiffness that is said to be usable
 
+/// A handle that is being proved, and whoever brings it to its places.
+struct Bench {
+    PulseRunner& runner;
+    const Device& device;
+    const Calibration& machine;
+    const std::vector<Vec3>& places;  ///< m, home first
+    const Vec3& mass;                 ///< kg, of each axis
+    const CommissioningDesk& desk;
+};
+
 /// @throws std::invalid_argument for marks that do not tell how encoders are connected
 void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
     if (machine.gantry) {
@@ -59,38 +69,30 @@ std::string encoders_text(const EncoderProof& proof) {
 
 /// A board that was opened anew where the handle stood says that it is home.
 /// @param seen  what the encoders say of `place`, m
-std::string took_for_home(const PulseRunner& runner,
-                          const Vec3& home,
-                          const Vec3& place,
-                          const Vec3& seen,
-                          std::size_t axes) {
+std::string took_for_home(const Bench& bench, const Vec3& place, const Vec3& seen) {
+    const Vec3& home = bench.places.front();
     const bool far = glm::length(place - home) > 2.0 * kPlaced;
-    if (!runner.reconnected() || !far || !(glm::length(seen - home) <= kNearHome)) {
+    if (!bench.runner.reconnected() || !far || !(glm::length(seen - home) <= kNearHome)) {
         return {};
     }
     return "the device fell silent, and was opened anew while the handle was at " +
-           place_text(place, axes) +
+           place_text(place, bench.machine.axes()) +
            ": it took that for home. Check its cable and what else this machine does, bring the "
            "handle home and commission again";
 }
 
 /// Encoders at the places, in their order; nothing but zero force meanwhile.
 /// @return what is wrong
-std::string read_marks(PulseRunner& runner,
-                       const Device& device,
-                       const std::vector<Vec3>& places,
-                       const CommissioningDesk& desk,
-                       std::vector<Rest>& marks,
-                       bool& given_up) {
-    const auto axes = static_cast<std::size_t>(device.traits().axes);
-    for (const Vec3& place : places) {
-        given_up = !desk.bring(place);
+std::string read_marks(const Bench& bench, std::vector<Rest>& marks, bool& given_up) {
+    const auto axes = static_cast<std::size_t>(bench.device.traits().axes);
+    for (const Vec3& place : bench.places) {
+        given_up = !bench.desk.bring(place);
         if (given_up) {
             return "it was given up";
         }
-        const Rest mark = runner.watch(kLook);
+        const Rest mark = bench.runner.watch(kLook);
         if (!std::isfinite(mark.place.x)) {
-            const std::string trouble = device.trouble();
+            const std::string trouble = bench.device.trouble();
             return "the device said nothing at " + place_text(place, axes) +
                    (trouble.empty() ? "" : ": " + trouble);
         }
@@ -100,8 +102,7 @@ std::string read_marks(PulseRunner& runner,
                                "a spring"
                              : ": let go of it, on a level desk");
         }
-        if (std::string what = took_for_home(runner, places.front(), place, mark.place, axes);
-            !what.empty()) {
+        if (std::string what = took_for_home(bench, place, mark.place); !what.empty()) {
             return what;
         }
         if (axes == 2 && std::any_of(marks.begin(), marks.end(), [&](const Rest& one) {
@@ -136,13 +137,10 @@ std::string prove_marks(const Calibration& machine,
 }
 
 /// All directions once.
-void push(PulseRunner& runner,
-          const Calibration& machine,
-          double force,
-          const Vec3& mass,
-          std::vector<Pulse>& pulses) {
-    for (const Vec3& direction : pulse_directions(machine.axes())) {
-        pulses.push_back(runner.give(direction, pulse_plan(machine, direction, force, mass)));
+void push(const Bench& bench, double force, std::vector<Pulse>& pulses) {
+    for (const Vec3& direction : pulse_directions(bench.machine.axes())) {
+        pulses.push_back(
+            bench.runner.give(direction, pulse_plan(bench.machine, direction, force, bench.mass)));
     }
 }
 
@@ -157,11 +155,8 @@ std::string tripped(std::span<const Pulse> pulses) {
 
 /// The weakest force that moves the handle, and the pulses of it.
 /// @return what is wrong
-std::string find_force(PulseRunner& runner,
-                       const Calibration& machine,
-                       const Vec3& mass,
-                       double& force,
-                       std::vector<Pulse>& pulses) {
+std::string find_force(const Bench& bench, double& force, std::vector<Pulse>& pulses) {
+    const Calibration& machine = bench.machine;
     const auto enough = [&](const Pulse& pulse) {
         return machine.gantry ? moved_enough(Gantry(*machine.gantry), pulse)
                               : moved(pulse) >= kEnough;
@@ -173,8 +168,8 @@ std::string find_force(PulseRunner& runner,
         for (std::size_t i = 0; i < directions.size(); ++i) {
             if (!moves[i]) {  // what moves is not pushed harder
                 force = newtons;
-                pulses[i] =
-                    runner.give(directions[i], pulse_plan(machine, directions[i], newtons, mass));
+                pulses[i] = bench.runner.give(
+                    directions[i], pulse_plan(machine, directions[i], newtons, bench.mass));
                 moves[i] = enough(pulses[i]);
             }
         }
@@ -253,11 +248,9 @@ std::string prove_strength(const Calibration& machine,
                    "--handle-g, then commission again";
 }
 
-void fill_record(RigRecord& record,
-                 const Device& device,
-                 const Calibration& machine,
-                 const std::vector<Vec3>& places) {
-    const DeviceTraits traits = device.traits();
+void fill_record(RigRecord& record, const Bench& bench) {
+    const Calibration& machine = bench.machine;
+    const DeviceTraits traits = bench.device.traits();
     double damping = 0.0;
     if (machine.gantry) {
         const auto& axes = record.axes;
@@ -268,7 +261,8 @@ void fill_record(RigRecord& record,
         damping = min_handle_damping({.machine = machine.pantograph,
                                       .damping = record.dynamics.damping,
                                       .handle_damping = record.dynamics.handle_damping});
-        record.friction = least_friction(Pantograph(machine.pantograph), places, record.dynamics);
+        record.friction =
+            least_friction(Pantograph(machine.pantograph), bench.places, record.dynamics);
     }
     record.damping = kCertain * damping;
     record.round_trip = traits.round_trip;
@@ -278,36 +272,30 @@ void fill_record(RigRecord& record,
 
 /// Pulses at all places, the last one first: the handle is there. Straight axes are the same
 /// everywhere.
-std::string prove_pushes(PulseRunner& runner,
-                         const Device& device,
-                         const Calibration& machine,
-                         const std::vector<Vec3>& places,
-                         const Vec3& mass,
-                         const CommissioningDesk& desk,
-                         CommissioningResult& done) {
-    const double delay = device.traits().delay_ticks * desk.period;
+std::string prove_pushes(const Bench& bench, CommissioningResult& done) {
+    const Calibration& machine = bench.machine;
+    const std::vector<Vec3>& places = bench.places;
+    const double delay = bench.device.traits().delay_ticks * bench.desk.period;
     double& force = done.record.force;
     const std::size_t last = machine.gantry ? places.size() - 1 : 0;
     for (std::size_t i = places.size(); i-- > last;) {
         const bool first = i + 1 == places.size();
-        done.given_up = !first && !desk.bring(places[i]);
+        done.given_up = !first && !bench.desk.bring(places[i]);
         if (done.given_up) {
             return "it was given up";
         }
         std::vector<Pulse> here;
         if (first) {
-            std::string what = find_force(runner, machine, mass, force, here);
+            std::string what = find_force(bench, force, here);
             what = what.empty() ? prove_order(machine, here, delay) : what;
             if (!what.empty()) {
                 return what;
             }
         } else {
-            push(runner, machine, force, mass, here);
+            push(bench, force, here);
         }
-        push(runner, machine, strong(machine, force), mass, here);
-        if (std::string what =
-                took_for_home(runner, places.front(), places[i], here.back().place, machine.axes());
-            !what.empty()) {
+        push(bench, strong(machine, force), here);
+        if (std::string what = took_for_home(bench, places[i], here.back().place); !what.empty()) {
             return what;
         }
         if (std::string what = tripped(here); !what.empty()) {
@@ -315,7 +303,7 @@ std::string prove_pushes(PulseRunner& runner,
         }
         done.pulses.insert(done.pulses.end(), here.begin(), here.end());
     }
-    const std::string what = prove_strength(machine, mass, delay, done);
+    const std::string what = prove_strength(machine, bench.mass, delay, done);
     return what.empty() ? unexplained_by(done.record, Machine(machine), done.pulses, delay) : what;
 }
 
@@ -334,16 +322,17 @@ CommissioningResult commission(Device& device,
     CommissioningResult done;
     done.record.mark = second_mark(machine, places);
     PulseRunner runner(device, Machine(machine), desk.period, desk.wait);
+    const Bench bench{runner, device, machine, places, mass, desk};
     std::vector<Rest> marks;
-    done.refused = read_marks(runner, device, places, desk, marks, done.given_up);
+    done.refused = read_marks(bench, marks, done.given_up);
     if (done.refused.empty()) {
         done.refused = prove_marks(machine, places, marks, done.encoders);
     }
     if (done.refused.empty()) {
-        done.refused = prove_pushes(runner, device, machine, places, mass, desk, done);
+        done.refused = prove_pushes(bench, done);
     }
     if (done.refused.empty()) {
-        fill_record(done.record, device, machine, places);
+        fill_record(done.record, bench);
     }
     return done;
 }

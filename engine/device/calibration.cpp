@@ -78,6 +78,13 @@ void check_comedi(const ComediWiring& wiring) {
     }
 }
 
+void check_motion(const std::optional<double>& damping, double motor_time) {
+    if (damping) {
+        require_range(*damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
+    }
+    require_range(motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+}
+
 }  // namespace
 
 void check(const PantographSpec& spec) {
@@ -92,10 +99,7 @@ void check(const PantographSpec& spec) {
     require_range(spec.origin.x, -kLongest, kLongest, "x of the object frame's origin (m)");
     require_range(spec.origin.y, -kLongest, kLongest, "y of the object frame's origin (m)");
     require_range(spec.turn, -2.0 * kPi, 2.0 * kPi, "turn of the object frame (rad)");
-    if (spec.damping) {
-        require_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
-    }
-    require_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+    check_motion(spec.damping, spec.motor_time);
     above_zero(spec.clearance, 0.05, "clearance from singular poses (m)");
 }
 
@@ -111,10 +115,7 @@ void check(const GantrySpec& spec) {
                    "way (mm) from the low to the high end of " + which);
         require_range(1e3 * axis.home, 1e3 * axis.low, 1e3 * axis.high, "home (mm) of " + which);
     }
-    if (spec.damping) {
-        require_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
-    }
-    require_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+    check_motion(spec.damping, spec.motor_time);
 }
 
 void check(const Calibration& calibration) {

@@ -61,10 +61,6 @@ SingularValues singular_values(const Jacobian& matrix) noexcept {
     return {.largest = 0.5 * (sum + difference), .smallest = 0.5 * std::fabs(sum - difference)};
 }
 
-double Clearance::min() const noexcept {
-    return std::min(std::min(serial_1, serial_2), parallel);
-}
-
 std::optional<FiveBar::Pose> FiveBar::forward(const JointAngles& angles) const noexcept {
     const auto [t1, t2] = sin_cos(angles[0], angles[1]);
     const Vec2 elbow_1 = elbow_1_at(t1);

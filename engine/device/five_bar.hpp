@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -63,7 +64,7 @@ struct Clearance {
     double parallel = 0.0;
 
     /// The smallest of the three.
-    [[nodiscard]] double min() const noexcept;
+    [[nodiscard]] double min() const noexcept { return std::min({serial_1, serial_2, parallel}); }
 };
 
 /// The planar five-bar linkage ("pantograph"): two driven links from pivots on the x axis, two free

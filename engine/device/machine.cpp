@@ -96,10 +96,6 @@ std::optional<double> Gantry::reading_error(const Vec3& hip) const noexcept {
                       : std::nullopt;
 }
 
-Vec3 Gantry::quantum() const noexcept {
-    return quantum_;
-}
-
 Machine::Machine(const Calibration& calibration)
     : calibration_(calibration), parts_(parts_of(calibration)), home_(home_counts(calibration)) {}
 

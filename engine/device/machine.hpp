@@ -42,7 +42,7 @@ public:
     /// 100 nm. None: outside the workspace.
     [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept;
     /// m of way by one count of each axis.
-    [[nodiscard]] Vec3 quantum() const noexcept;
+    [[nodiscard]] const Vec3& quantum() const noexcept { return quantum_; }
 
     /// As the calibration gave it, SI.
     [[nodiscard]] const GantrySpec& spec() const noexcept { return spec_; }

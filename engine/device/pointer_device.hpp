@@ -24,7 +24,12 @@ public:
     [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 
 private:
-    std::atomic<std::uint64_t> latest_{0};
+    struct Steps {
+        std::int32_t x = 0;
+        std::int32_t y = 0;
+    };
+    std::atomic<Steps> latest_{};
+    static_assert(decltype(latest_)::is_always_lock_free, "a tick reads it");
 };
 
 }  // namespace palpate::engine

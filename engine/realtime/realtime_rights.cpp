@@ -166,17 +166,14 @@ ProgramRights::ProgramRights(const RealtimeWish& wish,
     }
     if (wish.latency) {
         constexpr std::int32_t kMicroseconds = 0;
-        latency_file_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
-        rights.of(Right::latency) =
-            granted(latency_file_ >= 0 && write(latency_file_, &kMicroseconds,
-                                                sizeof kMicroseconds) == sizeof kMicroseconds);
+        latency_file_ = Descriptor(open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC));
+        const int file = latency_file_.get();
+        rights.of(Right::latency) = granted(
+            file >= 0 && write(file, &kMicroseconds, sizeof kMicroseconds) == sizeof kMicroseconds);
     }
 }
 
 ProgramRights::~ProgramRights() {
-    if (latency_file_ >= 0) {
-        close(latency_file_);  // closing takes the request back
-    }
     if (locked_ && lockers.fetch_sub(1) == 1) {
         munlockall();
     }

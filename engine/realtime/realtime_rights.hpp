@@ -10,6 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include <signal.h>
+
+#include "engine/base/descriptor.hpp"
+
 namespace palpate::engine {
 
 /// A stretch of this program's memory.
@@ -90,8 +94,6 @@ public:
     ProgramRights(const RealtimeWish& wish,
                   RealtimeRights& rights,
                   std::span<const MemoryPart> own = {}) noexcept;
-    ProgramRights(const ProgramRights&) = delete;
-    ProgramRights& operator=(const ProgramRights&) = delete;
     /// Gives them back; memory when the last of several lets go.
     ~ProgramRights();
     /// Between trials: locks what the heap has grown by.
@@ -100,11 +102,28 @@ public:
 private:
     bool locked_ = false;
     std::optional<int> spared_before_{};  ///< what oom_score_adj was
-    int latency_file_ = -1;
+    Descriptor latency_file_{};           ///< closing it takes the request back
 };
 
 /// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as
 /// well, so that no tick is the first to reach a page of it.
 void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
+
+/// While this lives the calling thread, and every thread that it starts, gets no signal: those are
+/// for the threads that were there before.
+class AllSignalsBlocked {
+public:
+    AllSignalsBlocked() noexcept {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    AllSignalsBlocked(const AllSignalsBlocked&) = delete;
+    AllSignalsBlocked& operator=(const AllSignalsBlocked&) = delete;
+    ~AllSignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+private:
+    sigset_t before_{};
+};
 
 }  // namespace palpate::engine

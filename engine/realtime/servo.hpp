@@ -60,8 +60,6 @@ public:
     /// @param device  outlives the servo
     /// @throws std::invalid_argument for a rate or a share of spinning out of its range
     Servo(Device& device, const ServoSpec& spec);
-    Servo(const Servo&) = delete;
-    Servo& operator=(const Servo&) = delete;
     virtual ~Servo() = default;
 
     /// Starts a trial: time 0, force ramping in. @param scene  what it looks at outlives the trial

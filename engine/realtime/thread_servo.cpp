@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <limits>
-
-#include <pthread.h>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -49,18 +46,10 @@ ThreadServo::ThreadServo(Device& device, const ServoSpec& spec)
       spin_(static_cast<std::int64_t>(spec.spin_share * static_cast<double>(period_ns_))),
       wish_(wish_of(device, spec)),
       program_rights_(wish_, rights_, std::array{ring_memory(), MemoryPart{this, sizeof *this}}) {
-    // Signals are for the other threads: a handler must not run inside a tick.
-    sigset_t all;
-    sigset_t before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    try {
+    {
+        const AllSignalsBlocked blocked;  // a handler must not run inside a tick
         thread_ = std::thread([this] { live(); });
-    } catch (...) {
-        pthread_sigmask(SIG_SETMASK, &before, nullptr);
-        throw;
     }
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
     give(Order::none);  // returns when the thread has its rights
 }
 

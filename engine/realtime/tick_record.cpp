@@ -8,6 +8,17 @@ namespace palpate::engine {
 
 namespace {
 
+/// What contacts in the plane and in space say alike.
+[[gnu::always_inline]] inline void set_common(TickRecord& tick, const auto& contact) noexcept {
+    tick.normal_force = contact.normal_force;
+    tick.tangential_force = contact.tangential_force;
+    tick.mu = contact.mu;
+    tick.mode = contact.mode;
+    const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
+                           static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
+    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+}
+
 [[gnu::always_inline]] inline void set(TickRecord& tick,
                                        const Contact& contact,
                                        const Outline& outline) noexcept {
@@ -15,15 +26,9 @@ namespace {
     const auto segment = static_cast<std::int16_t>(place.segment);  // Outline takes no more
     tick.go = Vec3(contact.go, 0.0);
     tick.force = Vec3(contact.force, 0.0);
-    tick.normal_force = contact.normal_force;
-    tick.tangential_force = contact.tangential_force;
-    tick.mu = contact.mu;
     tick.u = place.on_vertex ? place.angle : place.u;
     tick.segment = place.on_vertex ? static_cast<std::int16_t>(-1 - segment) : segment;
-    tick.mode = contact.mode;
-    const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
-                           static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
-    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+    set_common(tick, contact);
 }
 
 }  // namespace
@@ -35,16 +40,10 @@ void set_contact(TickRecord& tick, const Contact& contact, const Outline& outlin
 void set_contact(TickRecord& tick, const SurfaceContact& contact) noexcept {
     tick.go = contact.go;
     tick.force = contact.force;
-    tick.normal_force = contact.normal_force;
-    tick.tangential_force = contact.tangential_force;
-    tick.mu = contact.mu;
     tick.u = contact.go_u;
     tick.v = contact.go_v;
     tick.segment = static_cast<std::int16_t>(contact.surface);
-    tick.mode = contact.mode;
-    const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
-                           static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
-    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+    set_common(tick, contact);
 }
 
 void set_contacts(std::span<TickRecord> ticks, const SceneView& scene, FeltState& state) noexcept {

@@ -97,8 +97,8 @@ TEST_CASE("what was noted while something is felt is kept by a file that is kill
 TEST_CASE("two who ask at once are both answered, and done once", "[live][law]") {
     ShownSession session;
     const auto both = [&](const std::string& what) {
-        const ui::Descriptor one = ui::connect_to(session.shown.name);
-        const ui::Descriptor other = ui::connect_to(session.shown.name);
+        const Descriptor one = ui::connect_to(session.shown.name);
+        const Descriptor other = ui::connect_to(session.shown.name);
         ui::send_line(one.get(), what);
         ui::send_line(other.get(), what);
         std::string said;
@@ -209,12 +209,12 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
     }
     CHECK(session.ask({{"do", "stop"}, {"people", true}})["ok"] == false);  // of palpate stop alone
     // What has no end, what is too long, who says nothing, and who hangs up at once.
-    std::vector<ui::Descriptor> silent;
+    std::vector<Descriptor> silent;
     for (int i = 0; i < 40; ++i) {
         silent.push_back(ui::connect_to(session.shown.name));
-        const ui::Descriptor gone = ui::connect_to(session.shown.name);
+        const Descriptor gone = ui::connect_to(session.shown.name);
     }
-    const ui::Descriptor endless = ui::connect_to(session.shown.name);
+    const Descriptor endless = ui::connect_to(session.shown.name);
     for (int i = 0; i < 10; ++i) {
         ui::send_line(endless.get(), std::string(4000, '{'));
     }
@@ -236,7 +236,7 @@ TEST_CASE("however many called a session that hangs, palpate stop is obeyed when
     ShownSession session;
     const auto others_call = [&] {
         for (int i = 0; i < 40; ++i) {
-            const ui::Descriptor gone = ui::connect_to(session.shown.name);
+            const Descriptor gone = ui::connect_to(session.shown.name);
         }
     };
     session.program.signal(SIGSTOP);
@@ -251,9 +251,9 @@ TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goe
           "[live][law]") {
     ShownSession session;
     session.program.signal(SIGSTOP);
-    const ui::Descriptor waits = ui::connect_to(session.shown.name);
+    const Descriptor waits = ui::connect_to(session.shown.name);
     {
-        const ui::Descriptor gone = ui::connect_to(session.shown.name);
+        const Descriptor gone = ui::connect_to(session.shown.name);
         ui::send_line(gone.get(), R"({"do":"note","text":"gave up"})");
         ui::send_line(waits.get(), R"({"do":"note","text":"waits"})");
         shutdown(waits.get(), SHUT_WR);  // has said it all, and hears the answer
@@ -317,15 +317,15 @@ TEST_CASE("another user is heard only with the file open for writing, and then o
     ShownSession session;
     const std::string name = session.shown.name;
     const auto answer_to = [&](const std::string& line, int right) {
-        const ui::Descriptor to = ui::connect_to(name);
+        const Descriptor to = ui::connect_to(name);
         ui::send_line(to.get(), line, right);
         static_cast<void>(ui::readable(to.get(), 5000));
         return ui::receive(to.get()).line;
     };
-    const ui::Descriptor reads(open((session.file + "-wal").c_str(), O_RDONLY | O_CLOEXEC));
-    const ui::Descriptor writes(open((session.file + "-wal").c_str(), O_RDWR | O_CLOEXEC));
+    const Descriptor reads(open((session.file + "-wal").c_str(), O_RDONLY | O_CLOEXEC));
+    const Descriptor writes(open((session.file + "-wal").c_str(), O_RDWR | O_CLOEXEC));
     const TemporaryFolder folder;
-    const ui::Descriptor other(
+    const Descriptor other(
         open(folder.file("another").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR));
     const std::string kStop = R"({"do":"stop"})";
     CHECK(holds_for_a_stranger([&] {

@@ -130,8 +130,8 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
     std::vector<engine::MarkReading> readings;
     while (readings.size() < marks.size()) {
         const Vec2& mark = marks[readings.size()];
-        if (!wait_for_enter(fmt::format("Bring the handle to {} and press Enter. ",
-                                        engine::place_text({mark, 0.0}, 2)))) {
+        if (!typed_after(fmt::format("Bring the handle to {} and press Enter. ",
+                                     engine::place_text({mark, 0.0}, 2)))) {
             return std::nullopt;
         }
         const engine::MarkReading reading = read_mark(device, mark);

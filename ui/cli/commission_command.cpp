@@ -36,7 +36,7 @@ struct CommissionOptions {
     std::string output;
 };
 
-constexpr double kPeriod = 1e-3;
+constexpr double kPeriod = 1e-3;  ///< s, as a desk has it
 
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {
@@ -59,16 +59,17 @@ Rig simulated_rig(const engine::Calibration& machine) {
         engine::PantographModel{.plant = free_plant(machine)}, kPeriod);
     rig.desk = {.bring = [simulated = device.get()](
                              const Vec3& place) { return bring_handle(*simulated, Vec2(place)); },
-                .wait = [] { return true; },
-                .period = kPeriod};
+                .wait =
+                    [] {
+                        return true;
+                    }};
     rig.device = device.get();
     rig.own = std::move(device);
     return rig;
 }
 
-Rig emulated_rig(engine::Calibration& machine) {
+Rig emulated_rig(const engine::Calibration& machine) {
     Rig rig;
-    machine.home = engine::Exploration{}.start;  // where an emulated board finds its handle
     rig.emulated = std::make_unique<engine::EmulatedHaply>(
         machine,
         [plant = free_plant(machine)] {
@@ -82,8 +83,7 @@ Rig emulated_rig(engine::Calibration& machine) {
                         emulated->begin({.start = Vec2(place), .tremor = 0.0});
                         return true;
                     },
-                .wait = ticks_until(kPeriod, interrupted),
-                .period = kPeriod};
+                .wait = ticks_until(kPeriod, interrupted)};
     return rig;
 }
 
@@ -102,16 +102,15 @@ Rig real_rig(const CommissionOptions& options,
             [there = engine::home_of(machine), axes = machine.axes()](const Vec3& place) mutable {
                 const bool already = place == there;
                 there = place;
-                return already || wait_for_enter(fmt::format(
+                return already || typed_after(fmt::format(
                                       "Bring the handle to {}, let go of it and press Enter. ",
                                       engine::place_text(place, axes)));
             },
-        .wait = ticks_until(kPeriod, interrupted),
-        .period = kPeriod};
+        .wait = ticks_until(kPeriod, interrupted)};
     return rig;
 }
 
-Rig open_rig(const CommissionOptions& options, engine::Calibration& machine) {
+Rig open_rig(const CommissionOptions& options, const engine::Calibration& machine) {
     const DeviceChoice choice = parse_device(options.device);
     switch (choice.kind) {
         case DeviceChoice::Kind::simulated:
@@ -228,7 +227,7 @@ int run(const CommissionOptions& options) {
     engine::Calibration machine =
         rig_file_of(parse_device(options.device), options.calibration).calibration;
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
-        machine.home = engine::Exploration{}.start;
+        machine.home = engine::Exploration{}.start;  // where such a board finds its handle
     }
     const std::vector<Vec3> places = places_of(options, machine);
     const Vec3 mass = mass_of(options, machine);

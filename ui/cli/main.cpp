@@ -65,6 +65,25 @@ void hide_addresses(int argc, char** argv) {
     }
 }
 
+template <class... Kinds>
+bool is_one_of(const std::exception& error) {
+    return ((dynamic_cast<const Kinds*>(&error) != nullptr) || ...);
+}
+
+/// Says what went wrong. @return the exit code
+int said(const std::exception& error) {
+    using namespace palpate;
+    if (is_one_of<protocols::ProtocolError, data::CsvError>(error)) {  // it begins with the file
+        say_to(stderr, std::string(error.what()) + "\n");
+        return kExitUsage;
+    }
+    warn("{}", error.what());
+    return is_one_of<protocols::OrderError, data::WrongFile, std::invalid_argument>(error)
+             ? kExitUsage
+         : interrupted() ? kExitStopped
+                         : kExitFailure;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -73,23 +92,7 @@ int main(int argc, char** argv) {
         const ParseResult parsed = parse_command_line(commands, PALPATE_VERSION, argc, argv);
         hide_addresses(argc, argv);
         return heard(parsed.command ? commands[*parsed.command].run() : parsed.code);
-    } catch (const palpate::protocols::ProtocolError& e) {
-        say_to(stderr, std::string(e.what()) + "\n");
-        return kExitUsage;
-    } catch (const palpate::protocols::OrderError& e) {  // the file asks for what cannot be had
-        warn("{}", e.what());
-        return kExitUsage;
-    } catch (const palpate::data::CsvError& e) {
-        say_to(stderr, std::string(e.what()) + "\n");
-        return kExitUsage;
-    } catch (const palpate::data::WrongFile& e) {
-        warn("{}", e.what());
-        return kExitUsage;
-    } catch (const std::invalid_argument& e) {
-        warn("{}", e.what());
-        return kExitUsage;
     } catch (const std::exception& e) {
-        warn("{}", e.what());
-        return interrupted() ? kExitStopped : kExitFailure;
+        return said(e);
     }
 }

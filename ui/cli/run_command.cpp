@@ -277,12 +277,12 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;
     spec.seed = choice.seed;
-    refuse_if(!choice.over.empty(),
+    refuse_if(!choice.there.over.empty(),
               "{}: session {} of {} in {} {}; for another one give --session {}", options.database,
-              spec.key.session, options.participant, spec.study.protocol.id, choice.over,
+              spec.key.session, options.participant, spec.study.protocol.id, choice.there.over,
               choice.last + 1);
     require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
-    if (choice.begun) {
+    if (choice.there.begun) {
         return check_goes_on(database, spec);
     }
     check_space(options, spec.study);

@@ -45,13 +45,12 @@ public:
         comma();
         text_ += word;
     }
-    void add(double value) {
+    template <class Number>
+    requires std::is_arithmetic_v<Number>
+    void add(Number value) {  // -0 is 0
         comma();
-        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value == 0.0 ? 0.0 : value);
-    }
-    void add(std::size_t value) {
-        comma();
-        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
+        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"),
+                       value == Number{} ? Number{} : value);
     }
     template <int D>
     void add_point(const Vec<D>& p) {

@@ -68,14 +68,14 @@ Sequence make_sequence(const SequenceOptions& options) {
     }
     const SessionChoice choice =
         choose_session(database, made.study, options.participant, options.session, options.seed);
-    made.key = choice.run_as;
+    made.key = choice.there.run_as;
     made.seed = choice.seed;
     const auto rows = rows_taken(database, made.study.protocol, choice.key, options.kind);
     made.history = rows.pictures;
     made.frictions = rows.frictions;
     made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
                           made.frictions);
-    refuse_if(choice.begun && made.plan.hash != choice.plan_hash,
+    refuse_if(choice.there.begun && made.plan.hash != choice.there.plan_hash,
               "{}: session {} of {} was begun with another version of {}, or another seed: give "
               "those; the plan that it has is in the table plan",
               options.database, choice.key.session, choice.key.participant, made.study.protocol.id);

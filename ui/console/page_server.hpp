@@ -55,8 +55,6 @@ public:
     ///         address other than kHere in the clear
     /// @throws std::runtime_error if it cannot listen there
     explicit PageServer(PageServerSpec spec);
-    PageServer(const PageServer&) = delete;
-    PageServer& operator=(const PageServer&) = delete;
     ~PageServer();
 
     /// With its token.

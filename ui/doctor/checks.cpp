@@ -1,6 +1,7 @@
 #include "ui/doctor/checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 
 #include <fmt/format.h>
@@ -52,15 +53,8 @@ bool any_fails(const std::vector<Check>& checks) noexcept {
 }
 
 std::string_view to_string(CheckStatus status) noexcept {
-    switch (status) {
-        case CheckStatus::ok:
-            return "ok";
-        case CheckStatus::warn:
-            return "warn";
-        case CheckStatus::fail:
-            break;
-    }
-    return "fail";
+    constexpr std::array<std::string_view, 3> kWords{"ok", "warn", "fail"};
+    return kWords[static_cast<std::size_t>(status)];
 }
 
 std::string as_text(const Check& check) {

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/descriptor.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
@@ -26,21 +27,18 @@ class Scratch {
 public:
     explicit Scratch(const std::filesystem::path& folder)
         : name_((folder / ".palpate-doctor-XXXXXX").string()), file_(mkstemp(name_.data())) {
-        if (file_ < 0) {
+        if (file_.get() < 0) {
             throw std::runtime_error(std::strerror(errno));
         }
         unlink(name_.c_str());
     }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    ~Scratch() { close(file_); }
 
     /// Appends a block as a trial's commit does and waits until it is on the disk; ms.
     double append_and_sync() {
         const std::array<char, 16384> block{};
         const std::int64_t before = monotonic_ns();
-        if (write(file_, block.data(), block.size()) != static_cast<ssize_t>(block.size()) ||
-            fsync(file_) != 0) {
+        if (write(file_.get(), block.data(), block.size()) != std::ssize(block) ||
+            fsync(file_.get()) != 0) {
             throw std::runtime_error(std::strerror(errno));
         }
         return static_cast<double>(monotonic_ns() - before) * 1e-6;
@@ -48,7 +46,7 @@ public:
 
 private:
     std::string name_;
-    int file_;
+    Descriptor file_;
 };
 
 /// @return the share of the time since `before` that the host of a virtual machine took

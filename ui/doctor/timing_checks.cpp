@@ -57,20 +57,17 @@ void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, boo
     }
 }
 
-struct BarBound {
-    std::int64_t ns;
-    const char* name;
-};
-constexpr std::array<BarBound, 10> kBarBounds{{{1'000, "1 us"},
-                                               {5'000, "5 us"},
-                                               {10'000, "10 us"},
-                                               {20'000, "20 us"},
-                                               {50'000, "50 us"},
-                                               {100'000, "100 us"},
-                                               {200'000, "200 us"},
-                                               {500'000, "500 us"},
-                                               {1'000'000, "1 ms"},
-                                               {10'000'000, "10 ms"}}};
+/// ns, and what that is called.
+constexpr std::array<std::pair<std::int64_t, const char*>, 10> kBarBounds{{{1'000, "1 us"},
+                                                                           {5'000, "5 us"},
+                                                                           {10'000, "10 us"},
+                                                                           {20'000, "20 us"},
+                                                                           {50'000, "50 us"},
+                                                                           {100'000, "100 us"},
+                                                                           {200'000, "200 us"},
+                                                                           {500'000, "500 us"},
+                                                                           {1'000'000, "1 ms"},
+                                                                           {10'000'000, "10 ms"}}};
 
 }  // namespace
 
@@ -202,10 +199,10 @@ std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
             fmt::format("{:<2}{:>7} {:>8}  {}", sign, name, count, std::string(marks, '#')));
     };
     std::int64_t before = 0;
-    for (const BarBound& bound : kBarBounds) {
-        const std::int64_t below = histogram.below(bound.ns);
+    for (const auto& [ns, name] : kBarBounds) {
+        const std::int64_t below = histogram.below(ns);
         if (below > 0 || !lines.empty()) {
-            line("<", bound.name, below - before);
+            line("<", name, below - before);
         }
         before = below;
         if (before == histogram.count()) {
@@ -213,7 +210,7 @@ std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
         }
     }
     if (before < histogram.count()) {
-        line(">=", kBarBounds.back().name, histogram.count() - before);
+        line(">=", kBarBounds.back().second, histogram.count() - before);
     }
     return lines;
 }

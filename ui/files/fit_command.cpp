@@ -89,11 +89,9 @@ void check_priors(const data::CurveSpec& spec) {
 
 data::CurveSpec spec_of(const FitWords& words, bool database) {
     data::CurveSpec spec;
-    for (std::size_t i = 0; i < protocols::kFamilyWords.size(); ++i) {
-        spec.family = protocols::kFamilyWords.at(i) == words.function
-                        ? static_cast<protocols::Family>(i)
-                        : spec.family;
-    }
+    const auto& families = protocols::kFamilyWords;
+    spec.family = static_cast<protocols::Family>(std::ranges::find(families, words.function) -
+                                                 families.begin());
     const std::string guess = words.guess.value_or(database ? "lapse" : "0");
     spec.two_sided = guess == "lapse";
     spec.guess_shared = guess == "shared";

@@ -50,14 +50,11 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
     auto all = data::sessions_of(database, options.participant, options.session, options.study);
     if (all.empty()) {
         const auto other = data::similar_participant(database, options.participant);
-        if (other) {
-            throw std::invalid_argument(fmt::format("{}: nobody is called {}: did you mean {}?",
-                                                    options.database, options.participant, *other));
-        }
+        refuse_if(other.has_value(), "{}: nobody is called {}: did you mean {}?", options.database,
+                  options.participant, other.value_or(""));
         const bool named = options.session || !options.study.empty();
-        throw std::invalid_argument(fmt::format("{}: {} has no {}", options.database,
-                                                options.participant,
-                                                named ? "such session" : "session yet"));
+        refuse_if(true, "{}: {} has no {}", options.database, options.participant,
+                  named ? "such session" : "session yet");
     }
     const auto other = std::find_if(all.begin(), all.end(), [&](const data::SessionRow& row) {
         return row.study != all.front().study;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -5,6 +7,7 @@
 #include "data/csv/json_text.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -44,19 +47,12 @@ void print_findings(const std::vector<Finding>& findings) {
     }
 }
 
-std::size_t differences(const std::vector<Finding>& findings) {
-    std::size_t found = 0;
-    for (const Finding& finding : findings) {
-        found += finding.kind == FindingKind::differs ? 1 : 0;
-    }
-    return found;
-}
-
 void print_text(const std::string& file, const data::Verification& found) {
     say("{}: {}\n", plain(file), counted(found.sessions.size(), "session"));
     print_findings(found.file);
     for (const SessionReport& session : found.sessions) {
-        const std::size_t different = differences(session.findings);
+        const auto different = static_cast<std::size_t>(
+            std::ranges::count(session.findings, FindingKind::differs, &Finding::kind));
         say("{}, participant {}, session {} ({}{}): {}, {} replayed, {}\n", plain(session.study),
             plain(session.participant), session.number, plain(session.kind),
             session.finished ? "" : ", not finished", counted(session.trials, "trial"),
@@ -78,17 +74,12 @@ void print_text(const std::string& file, const data::Verification& found) {
     }
 }
 
-template <class T>
-Json json_of(const std::optional<T>& value) {
-    return value ? Json(*value) : Json();
-}
-
 Json json_of(const std::vector<Finding>& findings) {
     Json all = Json::array();
     for (const Finding& finding : findings) {
         all.push_back({{"kind", finding.kind == FindingKind::differs ? "differs" : "missing"},
-                       {"trial", json_of(finding.trial)},
-                       {"tick", json_of(finding.tick)},
+                       {"trial", json_or_null(finding.trial)},
+                       {"tick", json_or_null(finding.tick)},
                        {"what", finding.what},
                        {"stored", finding.stored},
                        {"recomputed", finding.recomputed},

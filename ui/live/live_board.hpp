@@ -62,8 +62,6 @@ public:
               const protocols::Protocol& protocol,
               const protocols::Plan& plan,
               const protocols::OperatorDesk& desk);
-    LiveBoard(const LiveBoard&) = delete;
-    LiveBoard& operator=(const LiveBoard&) = delete;
     ~LiveBoard();
 
     [[nodiscard]] const LiveFacts& facts() const noexcept { return facts_; }

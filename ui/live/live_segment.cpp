@@ -85,6 +85,10 @@ struct LiveMemory {
     std::array<Words<sizeof(LiveTick)>, LiveWriter::kRing> ring;
 };
 
+void Unmap::operator()(const LiveMemory* memory) const noexcept {
+    munmap(const_cast<LiveMemory*>(memory), sizeof(LiveMemory));  // NOLINT: as mmap gave it
+}
+
 LiveWriter::LiveWriter() noexcept {
     Descriptor file(memfd_create("palpate-live", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (file.get() < 0 || fchmod(file.get(), S_IRUSR | S_IWUSR) != 0 ||
@@ -95,20 +99,13 @@ LiveWriter::LiveWriter() noexcept {
     if (at == MAP_FAILED) {
         return;
     }
+    std::unique_ptr<LiveMemory, Unmap> memory(new (at) LiveMemory{});
     // Nobody makes it shorter under a writer, and who gets it later can map it for reading alone.
     if (fcntl(file.get(), F_ADD_SEALS,
-              F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0) {
-        munmap(at, sizeof(LiveMemory));
-        return;
-    }
-    memory_ = new (at) LiveMemory{};
-    memory_->magic = kMagic;
-    file_ = std::move(file);
-}
-
-LiveWriter::~LiveWriter() {
-    if (memory_ != nullptr) {
-        munmap(memory_, sizeof(LiveMemory));
+              F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) == 0) {
+        memory->magic = kMagic;
+        memory_ = std::move(memory);
+        file_ = std::move(file);
     }
 }
 
@@ -139,16 +136,10 @@ LiveReader::LiveReader(int descriptor) {
     void* at = fstat(descriptor, &file) == 0 && file.st_size == sizeof(LiveMemory)
                  ? mmap(nullptr, sizeof(LiveMemory), PROT_READ, MAP_SHARED, descriptor, 0)
                  : MAP_FAILED;
-    if (at != MAP_FAILED) {
-        memory_ = static_cast<const LiveMemory*>(at);
-    }
+    memory_.reset(at != MAP_FAILED ? static_cast<const LiveMemory*>(at) : nullptr);
     refuse_if<std::runtime_error>(
         memory_ == nullptr || memory_->magic != kMagic,
         "the session shows nothing that this palpate reads: use the one that runs it");
-}
-
-LiveReader::~LiveReader() {
-    munmap(const_cast<LiveMemory*>(memory_), sizeof(LiveMemory));  // NOLINT: as mmap gave it
 }
 
 std::uint64_t LiveReader::version() const noexcept {

@@ -35,6 +35,9 @@ struct LiveTick {
 static_assert(sizeof(LiveTick) == 56);
 
 struct LiveMemory;
+struct Unmap {
+    void operator()(const LiveMemory* memory) const noexcept;
+};
 
 /// The session's side.
 class LiveWriter {
@@ -45,9 +48,6 @@ public:
 
     /// A system that gives no memory: nothing is shown, and that is no error.
     LiveWriter() noexcept;
-    LiveWriter(const LiveWriter&) = delete;
-    LiveWriter& operator=(const LiveWriter&) = delete;
-    ~LiveWriter();
 
     /// To be handed on; whoever has it can only read. < 0: none.
     [[nodiscard]] int descriptor() const noexcept { return file_.get(); }
@@ -58,7 +58,7 @@ public:
 
 private:
     Descriptor file_;
-    LiveMemory* memory_ = nullptr;
+    std::unique_ptr<LiveMemory, Unmap> memory_;
 };
 
 /// What was read.
@@ -72,9 +72,6 @@ class LiveReader {
 public:
     /// @throws std::runtime_error if that is no live state of this version of palpate
     explicit LiveReader(int descriptor);
-    LiveReader(const LiveReader&) = delete;
-    LiveReader& operator=(const LiveReader&) = delete;
-    ~LiveReader();
 
     /// Changes with each state.
     [[nodiscard]] std::uint64_t version() const noexcept;
@@ -85,7 +82,7 @@ public:
         std::uint64_t seen) const;
 
 private:
-    const LiveMemory* memory_ = nullptr;
+    std::unique_ptr<const LiveMemory, Unmap> memory_;
 };
 
 /// A session that runs now on this machine, and shows itself to this user.

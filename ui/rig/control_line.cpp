@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -58,22 +59,6 @@ Descriptor listen_for(const FileIdentity& file) {
     }
     return Descriptor();
 }
-
-/// Bytes, and room for an open file beside them.
-struct Packet {
-    explicit Packet(void* bytes, std::size_t size) : part{.iov_base = bytes, .iov_len = size} {
-        head.msg_iov = &part;
-        head.msg_iovlen = 1;
-        head.msg_control = room.data();
-        head.msg_controllen = room.size();
-    }
-    Packet(const Packet&) = delete;
-    Packet& operator=(const Packet&) = delete;
-
-    iovec part;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
-    msghdr head{};
-};
 
 constexpr std::size_t kLongestLine = 8192;
 constexpr std::size_t kCallers = 16;
@@ -172,41 +157,26 @@ bool readable(int descriptor, int wait_ms) {
 }
 
 bool send_line(int to, std::string_view line, int file) noexcept {
-    std::array<char, 2> end{'\n', 0};
-    Packet packet(const_cast<char*>(line.data()), line.size());  // NOLINT: it is only read
-    const std::array parts{packet.part, iovec{.iov_base = end.data(), .iov_len = 1}};
-    packet.head.msg_iov = const_cast<iovec*>(parts.data());  // NOLINT: as above
-    packet.head.msg_iovlen = parts.size();
-    if (file < 0) {
-        packet.head.msg_control = nullptr;
-        packet.head.msg_controllen = 0;
-    } else {
-        cmsghdr* head = CMSG_FIRSTHDR(&packet.head);
-        head->cmsg_level = SOL_SOCKET;
-        head->cmsg_type = SCM_RIGHTS;
-        head->cmsg_len = CMSG_LEN(sizeof file);
-        std::memcpy(CMSG_DATA(head), &file, sizeof file);
-    }
-    return sendmsg(to, &packet.head, MSG_NOSIGNAL | MSG_DONTWAIT) ==
+    char end = '\n';
+    char* const begun = const_cast<char*>(line.data());  // NOLINT: it is only read
+    std::array parts{iovec{.iov_base = begun, .iov_len = line.size()},
+                     iovec{.iov_base = &end, .iov_len = 1}};
+    return send_with_file(to, parts, file, MSG_NOSIGNAL | MSG_DONTWAIT) ==
            static_cast<ssize_t>(line.size() + 1);
 }
 
 Received receive(int from) {
     std::array<char, 4096> bytes{};
-    Packet packet(bytes.data(), bytes.size());
-    const ssize_t got = recvmsg(from, &packet.head, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+    int file = -1;
+    const ssize_t got = receive_with_file(from, std::as_writable_bytes(std::span(bytes)), file,
+                                          MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
     Received received;
     if (got <= 0) {
         received.ended = got == 0 || (errno != EAGAIN && errno != EINTR);
         return received;
     }
     received.line.assign(bytes.data(), static_cast<std::size_t>(got));
-    const cmsghdr* head = CMSG_FIRSTHDR(&packet.head);
-    if (head != nullptr && head->cmsg_type == SCM_RIGHTS) {
-        int file = -1;
-        std::memcpy(&file, CMSG_DATA(head), sizeof file);
-        received.file = Descriptor(file);
-    }
+    received.file = Descriptor(file);
     return received;
 }
 

@@ -13,32 +13,12 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "engine/base/descriptor.hpp"
+
 /// Names and lines of the sockets by which running sessions are called: in Linux's abstract names,
 /// which end with their process, so that nothing is left of a crash. One is named for its
 /// database's file system and inode; several sessions on one file have one each.
 namespace palpate::ui {
-
-/// Closed at the end.
-class Descriptor {
-public:
-    explicit Descriptor(int number = -1) noexcept : number_(number) {}
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(number_, other.number_);
-        return *this;
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (number_ >= 0) {
-            close(number_);
-        }
-    }
-    [[nodiscard]] int get() const noexcept { return number_; }
-
-private:
-    int number_;
-};
 
 /// What a file is, whatever it is called.
 struct FileIdentity {

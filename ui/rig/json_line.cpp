@@ -37,6 +37,7 @@ Json json_or_null(const std::optional<Value>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
 template Json json_or_null(const std::optional<double>&);
+template Json json_or_null(const std::optional<std::int64_t>&);
 template Json json_or_null(const std::optional<std::size_t>&);
 template Json json_or_null(const std::optional<bool>&);
 

@@ -1,6 +1,7 @@
 #include "ui/rig/operator_log.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -19,8 +20,16 @@ std::string without_stop(std::string sentence) {
 
 using protocols::Progress;
 
-/// What to do about an attempt that does not count, by each of its reasons as why_invalid() words
-/// them.
+/// By the reasons as why_invalid() words them.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kRemedies{{
+    {"late ", "late ticks: close other programs; palpate doctor says what else"},
+    {"stale ", "answers too late: use a port of the computer itself, without a hub"},
+    {"contact ",
+     "too little contact: explain again that the object is to be felt, not only touched"},
+    {"path ", "too short a way: explain again to go along both sides"},
+}};
+
+/// What to do about an attempt that does not count.
 std::vector<std::string> advice_for(const protocols::TrialResult& result) {
     std::vector<std::string> advice;
     if (result.fault) {
@@ -30,21 +39,10 @@ std::vector<std::string> advice_for(const protocols::TrialResult& result) {
         advice.emplace_back(
             "no answer: ask whether the question is clear, and for a break if need be");
     }
-    const auto says = [&](std::string_view reason) {
-        return result.invalid.find(reason) != std::string::npos;
-    };
-    if (says("late ")) {
-        advice.emplace_back("late ticks: close other programs; palpate doctor says what else");
-    }
-    if (says("stale ")) {
-        advice.emplace_back("answers too late: use a port of the computer itself, without a hub");
-    }
-    if (says("contact ")) {
-        advice.emplace_back(
-            "too little contact: explain again that the object is to be felt, not only touched");
-    }
-    if (says("path ")) {
-        advice.emplace_back("too short a way: explain again to go along both sides");
+    for (const auto& [reason, remedy] : kRemedies) {
+        if (result.invalid.find(reason) != std::string::npos) {
+            advice.emplace_back(remedy);
+        }
     }
     return advice;
 }

@@ -96,11 +96,19 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
         "free, at home, and run the same command again");
 }
 
-OpeningFact prove_mark(engine::PulseRunner& runner,
-                       const engine::Calibration& calibration,
-                       const engine::Vec3& mark) {
+/// What was found of a rig when it was opened.
+protocols::Event opening_fact(std::string_view key, std::string value, std::string text) {
+    return {.kind = protocols::EventKind::provenance,
+            .text = std::move(text),
+            .key = std::string(key),
+            .value = std::move(value)};
+}
+
+protocols::Event prove_mark(engine::PulseRunner& runner,
+                            const engine::Calibration& calibration,
+                            const engine::Vec3& mark) {
     const std::string aim = engine::place_text(mark, calibration.axes());
-    if (!wait_for_enter(fmt::format(
+    if (!typed_after(fmt::format(
             "Bring the handle to the second mark {}, let go of it and press Enter. ", aim))) {
         throw std::runtime_error(
             interrupted() ? "stopped before the second mark was tried; no session was begun"
@@ -120,11 +128,10 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
         "when the device was opened, or its plugs were exchanged. Put it there and run the same "
         "command again; if it was there, commission the rig anew",
         aim, seen.text(calibration.axes()), engine::place_text(home, calibration.axes()));
-    return {
-        .key = std::string(protocols::kStartPose),
-        .value = fmt::format("second mark met to {:.1f} mm", 1e3 * seen.off),
-        .text = fmt::format("the handle rested at home; the second mark {} was met to {:.1f} mm",
-                            aim, 1e3 * seen.off)};
+    return opening_fact(
+        protocols::kStartPose, fmt::format("second mark met to {:.1f} mm", 1e3 * seen.off),
+        fmt::format("the handle rested at home; the second mark {} was met to {:.1f} mm", aim,
+                    1e3 * seen.off));
 }
 
 /// Gives a step of a proof its runner, on a thread that is woken in time.
@@ -196,10 +203,6 @@ std::optional<std::string> typed_after(const std::string& question) {
     return typed_line();
 }
 
-bool wait_for_enter(const std::string& text) {
-    return typed_after(text).has_value();
-}
-
 void in_real_time(const std::function<void()>& work) {
     std::exception_ptr thrown;
     std::thread thread([&] {
@@ -235,14 +238,13 @@ engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopp
     };
 }
 
-OpeningFact moves_as_it_did(const engine::ShortForm& form) {
+protocols::Event moves_as_it_did(const engine::ShortForm& form) {
     refuse_if<std::runtime_error>(
         !form.refused.empty(),
         "{}. No session was begun; if nobody held the handle, commission the rig again",
         form.refused);
-    return {.key = std::string(protocols::kRigCheck),
-            .value = form.found,
-            .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)};
+    return opening_fact(protocols::kRigCheck, form.found,
+                        fmt::format("{}: {}", protocols::kHandleMoves, form.found));
 }
 
 std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button) {
@@ -270,13 +272,13 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
     }
 }
 
-std::vector<OpeningFact> prove_opening(engine::Device& device,
-                                       const engine::Calibration& calibration,
-                                       const engine::RigRecord& record,
-                                       double period,
-                                       bool beforehand,
-                                       std::shared_ptr<StopButton> button) {
-    std::vector<OpeningFact> facts;
+std::vector<protocols::Event> prove_opening(engine::Device& device,
+                                            const engine::Calibration& calibration,
+                                            const engine::RigRecord& record,
+                                            double period,
+                                            bool beforehand,
+                                            std::shared_ptr<StopButton> button) {
+    std::vector<protocols::Event> facts;
     const auto stops = stops_of_pulses(std::move(button));
     const auto prove = [&] {
         engine::PulseRunner runner(device, engine::Machine(calibration), period,
@@ -288,10 +290,9 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
         }
         facts.push_back(record.mark && !beforehand
                             ? prove_mark(runner, calibration, *record.mark)
-                            : OpeningFact{.key = std::string(protocols::kStartPose),
-                                          .value = "the operator's word",
-                                          .text = "the handle rested; that it was at home is the "
-                                                  "operator's word"});
+                            : opening_fact(protocols::kStartPose, "the operator's word",
+                                           "the handle rested; that it was at home is the "
+                                           "operator's word"));
         const engine::ShortForm form =
             prove_again(runner, calibration, record, device.traits().delay_ticks * period);
         refuse_if<std::runtime_error>(

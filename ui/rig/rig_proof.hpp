@@ -11,20 +11,13 @@
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/session/recorder.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "ui/rig/stop_lines.hpp"
 
 /// Before a person holds a handle that gives force: is this the rig that was commissioned, does its
 /// handle rest where it should, and does it still move as it did?
 namespace palpate::ui {
-
-/// What was said and found when a rig was opened: a key of the record, a value, a sentence for
-/// people.
-struct OpeningFact {
-    std::string key;
-    std::string value;
-    std::string text;
-};
 
 /// @param device       as --device has it
 /// @param calibration  as --calibration has it; empty: the device's own
@@ -38,10 +31,7 @@ struct OpeningFact {
 /// there is none that can be read.
 [[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
 
-/// Says `text` and waits for Enter. @return false at the end of standard input, or once
-/// interrupted()
-[[nodiscard]] bool wait_for_enter(const std::string& text);
-/// What is typed after a question. @return none: standard input ended, or the program is to stop
+/// What is typed after a question, up to Enter. @return none: standard input ended, or the program is to stop
 [[nodiscard]] std::optional<std::string> typed_after(const std::string& question);
 
 /// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.
@@ -67,13 +57,14 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 /// After it was opened: the handle rests, at home; at the second mark the encoders say that it is
 /// there; and weak pulses, one in each direction, move it as when it was commissioned. Takes 5 s.
 /// @param beforehand  the operator has given their word for home, in place of the second mark
+/// @return what was said and found: a key of the record, a value, a sentence for people
 /// @throws std::runtime_error  what is wrong, with the remedy; no force was more than record.force
-[[nodiscard]] std::vector<OpeningFact> prove_opening(engine::Device& device,
-                                                     const engine::Calibration& calibration,
-                                                     const engine::RigRecord& record,
-                                                     double period,
-                                                     bool beforehand,
-                                                     std::shared_ptr<StopButton> button);
+[[nodiscard]] std::vector<protocols::Event> prove_opening(engine::Device& device,
+                                                          const engine::Calibration& calibration,
+                                                          const engine::RigRecord& record,
+                                                          double period,
+                                                          bool beforehand,
+                                                          std::shared_ptr<StopButton> button);
 
 /// The same between trials, where nobody sits at a terminal: home and mark count as soon as the
 /// handle rests there to within kAtPlace. See engine::MarkProof.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
@@ -14,11 +13,11 @@
 #include <linux/input.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
-#include <pthread.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/realtime/realtime_rights.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
@@ -44,22 +43,6 @@ void forget_typed() {
         }
     }
 }
-
-/// Signals are for the threads that were there before.
-class AllSignalsBlocked {
-public:
-    AllSignalsBlocked() {
-        sigset_t all;
-        sigfillset(&all);
-        pthread_sigmask(SIG_SETMASK, &all, &before_);
-    }
-    AllSignalsBlocked(const AllSignalsBlocked&) = delete;
-    AllSignalsBlocked& operator=(const AllSignalsBlocked&) = delete;
-    ~AllSignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
-private:
-    sigset_t before_{};
-};
 
 /// A writer is at the other end of a pipe: without one, whoever reads it finds its end.
 bool has_writer(int pipe) {
@@ -119,7 +102,7 @@ StopLines::StopLines(const std::string& database,
         with_escape.c_iflag &= ~tcflag_t{IXON};  // Ctrl+S would hold the session with what it says
         tcsetattr(STDIN_FILENO, TCSANOW, &with_escape);
     }
-    const AllSignalsBlocked blocked;
+    const engine::AllSignalsBlocked blocked;
     thread_ = std::thread([this] { live(); });
 }
 
@@ -127,7 +110,8 @@ StopLines::~StopLines() {
     end_ = true;
     thread_.join();
     if (terminal_) {
-        const AllSignalsBlocked blocked;  // SIGTTOU would stop a job that went into the background
+        const engine::AllSignalsBlocked
+            blocked;  // SIGTTOU would stop a job that went into the background
         tcsetattr(STDIN_FILENO, TCSANOW, &before_);
     }
 }

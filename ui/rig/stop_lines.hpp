@@ -97,8 +97,6 @@ public:
               std::string label,
               std::shared_ptr<StopButton> button,
               Acts acts);
-    StopLines(const StopLines&) = delete;
-    StopLines& operator=(const StopLines&) = delete;
     ~StopLines();
 
 private:

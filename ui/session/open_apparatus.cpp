@@ -35,7 +35,7 @@ constexpr const char* kKeepsForce =
     "a force is on; put a switch into the motors' supply, within the experimenter's reach";
 
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
-                                                          std::vector<OpeningFact>& opening) {
+                                                          std::vector<protocols::Event>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const auto& [calibration, record] = spec.rig;
     require_fit(protocol, spec.device, calibration.axes());
@@ -121,8 +121,6 @@ public:
                 pid_ > 0 && readable(said.get(), kPatienceMs) && read(said.get(), &first, 1) == 1;
         }
     }
-    StayAwake(const StayAwake&) = delete;
-    StayAwake& operator=(const StayAwake&) = delete;
     ~StayAwake() {
         pipe_ = Descriptor();
         if (pid_ > 0) {

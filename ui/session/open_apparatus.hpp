@@ -21,7 +21,7 @@ struct OpenedApparatus {
     std::string rest;         ///< when a contact on it comes to rest; empty: not known
     std::vector<std::string>
         refused;  ///< real-time rights of a servo that gives force, with the remedy
-    std::vector<OpeningFact> opening;                             ///< of a rig that was proved
+    std::vector<protocols::Event> opening;                        ///< of a rig that was proved
     std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights
 };
 

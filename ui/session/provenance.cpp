@@ -57,14 +57,6 @@ std::size_t padded(std::size_t size) {
     return (size + 3U) & ~std::size_t{3};
 }
 
-std::string hexadecimal(const unsigned char* bytes, std::size_t size) {
-    std::string text;
-    for (std::size_t i = 0; i < size; ++i) {
-        text += fmt::format("{:02x}", static_cast<unsigned>(bytes[i]));
-    }
-    return text;
-}
-
 /// The build id among the notes of a segment; empty: it is not there.
 std::string find_id(const unsigned char* at, std::size_t size) {
     while (size >= sizeof(Elf64_Nhdr)) {
@@ -78,7 +70,7 @@ std::string find_id(const unsigned char* at, std::size_t size) {
         }
         if (note.n_type == kBuildId && note.n_namesz == kGnu.size() &&
             std::memcmp(at + name, kGnu.data(), kGnu.size()) == 0) {
-            return hexadecimal(at + text, note.n_descsz);
+            return fmt::format("{:02x}", fmt::join(at + text, at + text + note.n_descsz, ""));
         }
         at += next;
         size -= next;

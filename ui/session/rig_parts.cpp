@@ -48,19 +48,10 @@ std::string word_of(const std::vector<std::pair<std::string, std::string>>& word
     return found == words.end() ? "" : found->second;
 }
 
-std::unique_ptr<protocols::Observer> make_simulated_observer(
-    const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
-    return std::make_unique<protocols::SimulatedObserver>(
-        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
-        plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
-}
-
-SubjectScreenOptions screen_options(const RigSpec& spec,
-                                    protocols::Apparatus& apparatus,
-                                    protocols::OperatorDesk& desk,
-                                    LiveSession& live) {
+SubjectScreenOptions screen_options(const RunningRig& rig) {
+    const RigSpec& spec = rig.spec;
     SubjectScreenOptions options;
-    options.desk = &desk;
+    options.desk = &rig.desk;
     options.window.fullscreen =
         spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
     options.window.monitor = spec.screen.monitor;
@@ -71,32 +62,32 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
     options.gate = protocols::StartGate(spec.study.protocol);
-    options.place = [&apparatus] {
-        return apparatus.place();
+    options.place = [rig] {
+        return rig.apparatus.place();
     };
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : unproved(spec)                        ? "PILOT, NOT PROVED: 0.3 N"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
                                                               : "";
-    options.interrupted = [&live] {
-        live.pump();
+    options.interrupted = [rig] {
+        rig.live.pump();
         return interrupted();
     };
     options.guard_s = spec.study.protocol.timing.guard;
     options.dead_man = spec.study.protocol.safety.dead_man && gives_force(spec.device.kind);
-    options.on_hold = [&apparatus](bool held) {
-        apparatus.hold(held);
+    options.on_hold = [rig](bool held) {
+        rig.apparatus.hold(held);
     };
-    options.on_stop = [&apparatus, &desk](engine::Trip cause, const char* way) {
-        desk.stop(way);
-        apparatus.stop(cause);
+    options.on_stop = [rig](engine::Trip cause, const char* way) {
+        rig.desk.stop(way);
+        rig.apparatus.stop(cause);
     };
     options.on_close = [] {
         say("The participant's window was to be closed, and stays: Ctrl+Shift+Q there, then Y, "
             "ends the "
             "session.\n");
     };
-    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
+    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&rig.apparatus)) {
         options.on_pointer = [pointer](const engine::Vec2& position) {
             pointer->pointer().publish(position);
         };
@@ -157,7 +148,8 @@ LiveFacts live_facts(const RigSpec& spec,
                      const data::OpenedSession& opened) {
     data::Statement row =
         database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
-    const auto check = std::ranges::find(felt.opening, protocols::kRigCheck, &OpeningFact::key);
+    const auto check =
+        std::ranges::find(felt.opening, protocols::kRigCheck, &protocols::Event::key);
     return {.uuid = std::string(row.text(0)),
             .file = std::filesystem::absolute(database.file()).string(),
             .kind = std::string(to_string(spec.kind)),
@@ -175,30 +167,25 @@ LiveFacts live_facts(const RigSpec& spec,
             .left = opened.progress.pending().order().size()};
 }
 
-Observers observers_before_the_plan(const RigSpec& spec,
-                                    protocols::Apparatus& apparatus,
-                                    protocols::OperatorDesk& desk,
-                                    LiveSession& live) {
-    if (!wants_window(spec.screen) || spec.watch_only) {
+Observers observers_before_the_plan(const RunningRig& rig) {
+    if (!wants_window(rig.spec.screen) || rig.spec.watch_only) {
         return {};
     }
-    return {.simulated = nullptr,
-            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk, live))};
+    return {.simulated = nullptr, .screen = std::make_unique<SubjectScreen>(screen_options(rig))};
 }
 
 void add_simulated_observer(Observers& observers,
-                            const RigSpec& spec,
-                            const protocols::Plan& plan,
-                            protocols::Apparatus& apparatus,
-                            protocols::OperatorDesk& desk,
-                            LiveSession& live) {
+                            const RunningRig& rig,
+                            const protocols::Plan& plan) {
     if (observers.screen) {
         return;
     }
-    observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    const RigSpec& spec = rig.spec;
+    observers.simulated = std::make_unique<protocols::SimulatedObserver>(
+        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
+        plan.picture_order, [rig] { return rig.apparatus.hand_is_done(); });
     if (wants_window(spec.screen)) {
-        observers.screen =
-            spectator_screen(*observers.simulated, screen_options(spec, apparatus, desk, live));
+        observers.screen = spectator_screen(*observers.simulated, screen_options(rig));
     }
 }
 
@@ -232,20 +219,14 @@ OpenedMasking open_masking(const RigSpec& spec) {
     return opened;
 }
 
-std::unique_ptr<StopLines> stop_lines(const data::Database& database,
-                                      const RigSpec& spec,
-                                      protocols::Apparatus& apparatus,
-                                      protocols::OperatorDesk& desk,
-                                      LiveSession& live) {
-    const bool screen = live.board().facts().screen;
-    const auto stop = [&apparatus, &desk, screen](const char* way) {
-        desk.stop(way);
-        apparatus.stop(engine::Trip::stopped);
+std::unique_ptr<StopLines> stop_lines(const data::Database& database, const RunningRig& rig) {
+    const RigSpec& spec = rig.spec;
+    const bool screen = rig.live.board().facts().screen;
+    const auto stop = [rig, screen](const char* way) {
+        rig.desk.stop(way);
+        rig.apparatus.stop(engine::Trip::stopped);
         say("Stopped ({}): no force {}.\n", way,
             screen ? "until Ctrl+Shift+P at the participant's screen" : "any more in this trial");
-    };
-    const auto bar = [&desk](const char* why) {
-        desk.bar(why);
     };
     return std::make_unique<StopLines>(
         database.file(),
@@ -253,15 +234,14 @@ std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                     std::filesystem::absolute(database.file()).string(),
                     screen ? ": Ctrl+Shift+P at the participant's screen goes on" : ""),
         spec.stop_button,
-        StopLines::Acts{
-            .stop = stop,
-            .bar = bar,
-            .doubts = [&desk] { return desk.force_doubted(); },
-            .types = screen || spec.stop_button,
-            .obey =
-                [&live](const std::string& line, const std::shared_ptr<Caller>& caller) {
-                    live.hear(line, caller);
-                }});
+        StopLines::Acts{.stop = stop,
+                        .bar = [rig](const char* why) { rig.desk.bar(why); },
+                        .doubts = [rig] { return rig.desk.force_doubted(); },
+                        .types = screen || spec.stop_button,
+                        .obey =
+                            [rig](const std::string& line, const std::shared_ptr<Caller>& caller) {
+                                rig.live.hear(line, caller);
+                            }});
 }
 
 void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {

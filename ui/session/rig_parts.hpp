@@ -19,6 +19,14 @@
 
 namespace palpate::ui {
 
+/// A session on its way, for whatever shows it, answers in it, or stops its force. All outlive that.
+struct RunningRig {
+    const RigSpec& spec;
+    protocols::Apparatus& apparatus;
+    protocols::OperatorDesk& desk;
+    LiveSession& live;
+};
+
 /// The words of every command that shows a session.
 void add_screen_words(CommandWords& words, ScreenOptions& screen);
 
@@ -44,17 +52,11 @@ struct Observers {
 
 /// The screen of a person needs no plan: a window that cannot be had is said before a session is
 /// made.
-[[nodiscard]] Observers observers_before_the_plan(const RigSpec& spec,
-                                                  protocols::Apparatus& apparatus,
-                                                  protocols::OperatorDesk& desk,
-                                                  LiveSession& live);
+[[nodiscard]] Observers observers_before_the_plan(const RunningRig& rig);
 
 void add_simulated_observer(Observers& observers,
-                            const RigSpec& spec,
-                            const protocols::Plan& plan,
-                            protocols::Apparatus& apparatus,
-                            protocols::OperatorDesk& desk,
-                            LiveSession& live);
+                            const RunningRig& rig,
+                            const protocols::Plan& plan);
 
 /// The masking noise of a session.
 struct OpenedMasking {
@@ -72,10 +74,7 @@ struct OpenedMasking {
 /// What stops the force without the window, and what others may ask of a session that is shown. The
 /// desk hears of a stop first, so that no trial begins unheard.
 [[nodiscard]] std::unique_ptr<StopLines> stop_lines(const data::Database& database,
-                                                    const RigSpec& spec,
-                                                    protocols::Apparatus& apparatus,
-                                                    protocols::OperatorDesk& desk,
-                                                    LiveSession& live);
+                                                    const RunningRig& rig);
 
 /// After what nobody can mend in here, as a full disk, the participant's screen asks for a moment
 /// until the experimenter has come. The force is off.

@@ -150,17 +150,6 @@ void print_start(const RigSpec& spec,
     }
 }
 
-std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& facts) {
-    std::vector<protocols::Event> events;
-    for (const OpeningFact& fact : facts) {
-        events.push_back({.kind = protocols::EventKind::provenance,
-                          .text = fact.text,
-                          .key = fact.key,
-                          .value = fact.value});
-    }
-    return events;
-}
-
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
 void check_findings(const OpenedApparatus& felt) {
@@ -232,26 +221,25 @@ protocols::SessionView view_of(const RigSpec& spec,
             .device = apparatus.device_name()};
 }
 
-protocols::Ports ports_of(const RigSpec& spec,
-                          const OpenedApparatus& felt,
+protocols::Ports ports_of(const RunningRig& rig,
+                          std::vector<protocols::Event> opening,
                           protocols::Observer& observer,
                           protocols::Recorder& recorder,
-                          OperatorLog& log,
-                          protocols::OperatorDesk& desk,
-                          LiveSession& live) {
-    return {.apparatus = *felt.port,
+                          OperatorLog& log) {
+    return {.apparatus = rig.apparatus,
             .observer = observer,
             .recorder = recorder,
-            .opening = opening_events(felt.opening),
+            .opening = std::move(opening),
             .interrupted =
-                [&live] {
-                    live.pump();
+                [rig] {
+                    rig.live.pump();
                     return interrupted();
                 },
             .progress =
-                [&](const protocols::Progress& progress) {
-                    say("{}", log.line(progress, answer_line(spec, progress), now_s()));
-                    live.board().attempted(progress, log.minutes(progress.left()), log.alarms());
+                [rig, &log](const protocols::Progress& progress) {
+                    say("{}", log.line(progress, answer_line(rig.spec, progress), now_s()));
+                    rig.live.board().attempted(progress, log.minutes(progress.left()),
+                                               log.alarms());
                 },
             .alarm =
                 [](const protocols::TroubleView& view) {
@@ -260,11 +248,11 @@ protocols::Ports ports_of(const RigSpec& spec,
                 },
             .paused = [](bool begins) { say("{}", pause_text(begins)); },
             .marked =
-                [&](const protocols::MarkReply& reply) {
-                    say("{}", log.marked(reply));
-                    live.marked(reply, log.alarms());
+                [rig](const protocols::MarkReply& reply) {
+                    say("{}", rig.log.marked(reply));
+                    rig.live.marked(reply, rig.log.alarms());
                 },
-            .desk = &desk};
+            .desk = &rig.desk};
 }
 
 /// `palpate console` beside a session, as a process of its own: whatever becomes of it, the session
@@ -343,15 +331,15 @@ RigEnd run_rig(data::Database& database,
     const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_check(spec);
     protocols::OperatorDesk desk;
     LiveSession live(desk);
-    Observers observers = observers_before_the_plan(spec, *felt.port, desk, live);
+    const RunningRig rig{spec, *felt.port, desk, live};
+    Observers observers = observers_before_the_plan(rig);
     const OpenedMasking masking = open_masking(spec);
     data::SessionSpec session = session_of(spec, felt);
     const data::OpenedSession opened = data::plan_and_open_session(database, session);
-    const protocols::Plan& plan = session.plan;
-    add_simulated_observer(observers, spec, plan, *felt.port, desk, live);
-    print_start(spec, plan, opened, *felt.port);
+    add_simulated_observer(observers, rig, session.plan);
+    print_start(spec, session.plan, opened, *felt.port);
     if (opened.finished) {
-        return {.session = {.next = plan.trials.size()}, .already_finished = true};
+        return {.session = {.next = session.plan.trials.size()}};
     }
     data::require_space(database.file(), protocol, opened.progress.pending().order().size());
     print_help(database, spec, observers.screen != nullptr);
@@ -371,15 +359,15 @@ RigEnd run_rig(data::Database& database,
                           ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
                                                              record, masking.required)
                           : nullptr;
-    live.begin(std::move(facts), protocol, plan, record);
+    live.begin(std::move(facts), protocol, session.plan, record);
     LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
     LiveRecorder shown_record(record, live);
-    const auto lines = stop_lines(database, spec, *felt.port, desk, live);
+    const auto lines = stop_lines(database, rig);
     serve_page(spec, live);
     protocols::SessionEnd end;
     try {
-        end = run_session(protocol, plan, view_of(spec, plan, opened, *felt.port), opened.progress,
-                          ports_of(spec, felt, shown, shown_record, log, desk, live));
+        end = run_session(protocol, session.plan, view_of(spec, session.plan, opened, *felt.port),
+                          opened.progress, ports_of(rig, felt.opening, shown, shown_record, log));
     } catch (const std::exception& e) {
         live.end(e.what());
         if (!observers.screen || observers.simulated) {

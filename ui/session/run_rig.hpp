@@ -13,7 +13,6 @@ namespace palpate::ui {
 /// How a session went, for the command to report.
 struct RigEnd {
     protocols::SessionEnd session{};
-    bool already_finished = false;
     std::string
         head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
 };

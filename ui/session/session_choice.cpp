@@ -34,14 +34,13 @@ void check_known(data::Database& database, const std::string& id, bool insists) 
 
 void check_version(data::Database& database, const Study& study, data::RunKind kind) {
     const auto other = data::other_version(database, study.protocol.id, study.hash, kind);
-    if (!other) {
-        return;
+    if (other) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {} of this file ran another version of {}: {}; run that version, use another "
+            "file, or give --new-version as well if it is meant: analyses keep versions apart",
+            database.file(), counted(other->people, "person", "people"), study.protocol.id,
+            protocols::differences_text(other->protocol_toml, protocols::to_toml(study.protocol))));
     }
-    throw std::invalid_argument(fmt::format(
-        "{}: {} of this file ran another version of {}: {}; run that version, use another file, "
-        "or give --new-version as well if it is meant: analyses keep versions apart",
-        database.file(), counted(other->people, "person", "people"), study.protocol.id,
-        protocols::differences_text(other->protocol_toml, protocols::to_toml(study.protocol))));
 }
 
 SessionChoice choose_session(data::Database& database,
@@ -56,12 +55,9 @@ SessionChoice choose_session(data::Database& database,
         data::find_session(database, study.protocol.id, participant, choice.key.session);
     choice.key.secret = there ? there->run_as.secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
-    choice.over = there ? there->over : std::string();
-    choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
-    choice.kind = choice.begun ? there->kind : std::string();
-    choice.run_as = choice.begun ? there->run_as : choice.key;
-    choice.plan_hash = choice.begun ? there->plan_hash : std::string();
+    choice.there = there.value_or(data::SessionState{});
+    choice.there.run_as = choice.there.begun ? there->run_as : choice.key;
     return choice;
 }
 
@@ -69,11 +65,11 @@ void require_kind(const SessionChoice& choice,
                   const Study& study,
                   data::RunKind kind,
                   const std::string& file) {
-    refuse_if(choice.begun && choice.kind != to_string(kind),
+    refuse_if(choice.there.begun && choice.there.kind != to_string(kind),
               "{}: session {} of {} in {} is a {} session; it cannot go on as {}: run it with the "
               "--device and --kind it was begun with, or begin another by --session {}",
-              file, choice.key.session, choice.key.participant, study.protocol.id, choice.kind,
-              to_string(kind), choice.last + 1);
+              file, choice.key.session, choice.key.participant, study.protocol.id,
+              choice.there.kind, to_string(kind), choice.last + 1);
 }
 
 void check_goes_on(data::Database& database, data::SessionSpec& session) {

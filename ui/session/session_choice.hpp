@@ -27,12 +27,8 @@ void check_version(data::Database& database, const Study& study, data::RunKind k
 struct SessionChoice {
     protocols::SessionKey key;
     std::uint64_t seed = 0;
-    std::string over{};              ///< as data::SessionState has it; empty: it goes on, or begins
-    bool begun = false;              ///< it has a trial
-    std::size_t last = 0;            ///< the participant's last session; 0: none
-    std::string kind{};              ///< with which it has begun; empty: it has no trial yet
-    protocols::SessionKey run_as{};  ///< `key`, or of one that has begun that of its orders
-    std::string plan_hash{};         ///< of one that has begun
+    std::size_t last = 0;        ///< the participant's last session; 0: none
+    data::SessionState there{};  ///< as the file has it; until it has begun its run_as is `key`
 };
 
 /// The session asked for, else the participant's last one, else the first. Its seed is the one

@@ -1,6 +1,7 @@
 #include "ui/session/simulated_session.hpp"
 
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 
@@ -41,9 +42,7 @@ protocols::RowHistory dealt_row(const SimulatedStudy& of,
                                       .seed = of.seed,
                                       .secret = of.secret});
     std::vector<std::size_t> order(rows);
-    for (std::size_t i = 0; i < rows; ++i) {
-        order[i] = i;
-    }
+    std::iota(order.begin(), order.end(), std::size_t{0});
     shuffle(std::span(order), random);
     return {.uses = {}, .own = order[index % rows]};
 }

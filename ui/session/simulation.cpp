@@ -217,8 +217,6 @@ void put_in_place(const fs::path& made, const fs::path& file) {
 class NewFile {
 public:
     explicit NewFile(const fs::path& place) : name_(made(place)), lock_(name_) {}
-    NewFile(const NewFile&) = delete;
-    NewFile& operator=(const NewFile&) = delete;
     ~NewFile() {
         std::error_code gone;
         fs::remove(name_, gone);

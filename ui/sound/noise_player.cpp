@@ -39,8 +39,6 @@ public:
         }
         SDL_PauseAudioDevice(device_, 0);
     }
-    SdlNoise(const SdlNoise&) = delete;
-    SdlNoise& operator=(const SdlNoise&) = delete;
     ~SdlNoise() override {
         if (SDL_WasInit(SDL_INIT_AUDIO) != 0) {
             SDL_CloseAudioDevice(device_);

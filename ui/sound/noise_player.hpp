@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "engine/base/descriptor.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/protocol/protocol.hpp"
 
@@ -16,26 +17,20 @@ namespace palpate::ui {
 class Hush {
 public:
     /// Nothing happens where there is no /dev/null. One at a time.
-    Hush() : saved_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {
-        if (saved_ >= 0 && nowhere_ >= 0) {
-            dup2(nowhere_, STDERR_FILENO);
+    Hush() : saved_(dup(STDERR_FILENO)) {
+        const Descriptor nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
+        if (saved_.get() >= 0 && nowhere.get() >= 0) {
+            dup2(nowhere.get(), STDERR_FILENO);
         }
     }
-    Hush(const Hush&) = delete;
-    Hush& operator=(const Hush&) = delete;
     ~Hush() {
-        if (saved_ >= 0) {
-            dup2(saved_, STDERR_FILENO);
-            close(saved_);
-        }
-        if (nowhere_ >= 0) {
-            close(nowhere_);
+        if (saved_.get() >= 0) {
+            dup2(saved_.get(), STDERR_FILENO);
         }
     }
 
 private:
-    int saved_;
-    int nowhere_;
+    Descriptor saved_;
 };
 
 /// Noise on the headphones, on and off.

@@ -185,12 +185,10 @@ std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
 }
 
 std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixel) {
-    for (std::size_t i = 0; i < cards.size(); ++i) {
-        if (cards[i].contains(pixel)) {
-            return i;
-        }
-    }
-    return std::nullopt;
+    const auto at =
+        std::ranges::find_if(cards, [&](const Card& card) { return card.contains(pixel); });
+    return at == cards.end() ? std::nullopt
+                             : std::optional(static_cast<std::size_t>(at - cards.begin()));
 }
 
 std::vector<Card> lay_out_scale(std::size_t levels, const Vec2& window) {

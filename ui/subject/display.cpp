@@ -1,8 +1,10 @@
 #include "ui/subject/display.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
-#include <cstring>
+#include <string_view>
 #include <utility>
 
 #include <SDL2/SDL_syswm.h>
@@ -144,15 +146,8 @@ void watch_x11(::Display* display) {
 }  // namespace
 
 bool is_real(const char* driver) noexcept {
-    if (driver == nullptr) {
-        return false;
-    }
-    for (const char* unseen : {"dummy", "offscreen", "disk", "evdev"}) {
-        if (std::strcmp(driver, unseen) == 0) {
-            return false;
-        }
-    }
-    return true;
+    constexpr std::array<std::string_view, 4> kUnseen{"dummy", "offscreen", "disk", "evdev"};
+    return driver != nullptr && std::ranges::find(kUnseen, driver) == kUnseen.end();
 }
 
 FoundDisplay find_display() {

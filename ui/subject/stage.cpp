@@ -1,6 +1,7 @@
 #include "ui/subject/stage.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -73,26 +74,21 @@ std::int64_t Stage::show(std::string_view name, std::function<void(Window&)> dra
 }
 
 std::string Stage::sentence_of(Bar bar) const {
+    constexpr std::array<std::string_view Words::*, 8> kSentences{nullptr,
+                                                                  &Words::stop_question,
+                                                                  &Words::mark_last_question,
+                                                                  nullptr,
+                                                                  &Words::pause_comes,
+                                                                  &Words::no_pause,
+                                                                  &Words::session_over,
+                                                                  &Words::keyboard_elsewhere};
     const Words& words = window_.words();
-    switch (bar) {
-        case Bar::none:
-            break;
-        case Bar::stop:
-            return std::string(words.stop_question);
-        case Bar::mark:
-            return std::string(in_trial_ ? words.mark_question : words.mark_last_question);
-        case Bar::marked:
-            return marked_text(words, reply_);
-        case Bar::pause_comes:
-            return std::string(words.pause_comes);
-        case Bar::no_pause:
-            return std::string(words.no_pause);
-        case Bar::over:
-            return std::string(words.session_over);
-        case Bar::elsewhere:
-            return std::string(words.keyboard_elsewhere);
+    if (bar == Bar::marked) {
+        return marked_text(words, reply_);
     }
-    return {};
+    const auto sentence = bar == Bar::mark && in_trial_ ? &Words::mark_question
+                                                        : kSentences[static_cast<std::size_t>(bar)];
+    return sentence == nullptr ? std::string() : std::string(words.*sentence);
 }
 
 /// What became of a mark, once the session says so.

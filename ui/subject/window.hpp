@@ -55,8 +55,6 @@ public:
     /// @throws std::runtime_error if there is no display, no renderer or no font: what, and the
     /// remedy
     explicit Window(const WindowOptions& options);
-    Window(const Window&) = delete;
-    Window& operator=(const Window&) = delete;
     ~Window();
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels

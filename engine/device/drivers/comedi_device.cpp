@@ -269,14 +269,6 @@ DeviceTraits ComediDevice::traits() const noexcept {
             .holds_force = std::numeric_limits<double>::infinity()};
 }
 
-std::optional<double> ComediDevice::weakest_force(const Vec3& hip) const noexcept {
-    return pantograph_.weakest_force(Vec2(hip));
-}
-
-std::optional<double> ComediDevice::reading_error(const Vec3& hip) const noexcept {
-    return pantograph_.reading_error(Vec2(hip));
-}
-
 bool ComediDevice::prove_zero() noexcept {
     bool written = true;
     for (std::size_t axis = 0; axis < 2; ++axis) {

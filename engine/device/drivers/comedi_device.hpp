@@ -82,8 +82,12 @@ public:
     AppliedForce write(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
-    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override;
-    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override;
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
+        return pantograph_.weakest_force(Vec2(hip));
+    }
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override {
+        return pantograph_.reading_error(Vec2(hip));
+    }
     bool prove_zero() noexcept override;
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }

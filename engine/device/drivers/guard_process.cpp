@@ -1,7 +1,6 @@
 #include "engine/device/drivers/guard_process.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -18,6 +17,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/descriptor.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 
@@ -124,21 +124,9 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
 
 bool send_message(int socket, const GuardMessage& message, int port) noexcept {
     GuardMessage copy = message;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
     iovec body{.iov_base = &copy, .iov_len = sizeof copy};
-    msghdr head{};
-    head.msg_iov = &body;
-    head.msg_iovlen = 1;
-    if (port >= 0) {
-        head.msg_control = beside.data();
-        head.msg_controllen = beside.size();
-        cmsghdr* rights = CMSG_FIRSTHDR(&head);
-        rights->cmsg_level = SOL_SOCKET;
-        rights->cmsg_type = SCM_RIGHTS;
-        rights->cmsg_len = CMSG_LEN(sizeof(int));
-        std::memcpy(CMSG_DATA(rights), &port, sizeof port);
-    }
-    return sendmsg(socket, &head, MSG_NOSIGNAL) == static_cast<ssize_t>(sizeof copy);
+    return send_with_file(socket, {&body, 1}, port, MSG_NOSIGNAL) ==
+           static_cast<ssize_t>(sizeof copy);
 }
 
 }  // namespace
@@ -214,7 +202,7 @@ bool GuardProcess::acknowledged() const noexcept {
 }
 
 bool GuardProcess::watch(int port, const GuardPackets& packets) {
-    GuardMessage message{.what = GuardMessage::What::watch};
+    GuardMessage message;
     if (packets.zero.empty() || port < 0 || packets.answer.size() > packets.answer_size ||
         !message.zero.fill(packets.zero) || !message.setup.fill(packets.setup) ||
         !message.answer.fill(packets.answer)) {

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/descriptor.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -142,19 +143,10 @@ void zero_for_good(const GuardState& guarded) noexcept {
 /// @return false when palpate has closed the socket
 bool take_message(int socket, GuardState& guarded) noexcept {
     GuardMessage message;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
-    iovec body{.iov_base = &message, .iov_len = sizeof message};
-    msghdr head{};
-    head.msg_iov = &body;
-    head.msg_iovlen = 1;
-    head.msg_control = beside.data();
-    head.msg_controllen = beside.size();
-    if (recvmsg(socket, &head, MSG_DONTWAIT) != static_cast<ssize_t>(sizeof message)) {
-        return false;
-    }
     int port = -1;
-    if (const cmsghdr* rights = CMSG_FIRSTHDR(&head); rights != nullptr) {
-        std::memcpy(&port, CMSG_DATA(rights), sizeof port);
+    if (receive_with_file(socket, std::as_writable_bytes(std::span(&message, 1)), port,
+                          MSG_DONTWAIT) != static_cast<ssize_t>(sizeof message)) {
+        return false;
     }
     if (guarded.port >= 0) {
         close(guarded.port);

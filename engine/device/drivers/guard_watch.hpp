@@ -47,7 +47,6 @@ struct GuardBytes {
 
 /// What palpate sends its guard, one datagram each; the port travels beside it as a descriptor.
 struct GuardMessage {
-    enum class What : std::uint8_t { watch, release } what = What::release;
     GuardBytes zero{};
     GuardBytes setup{};
     GuardBytes answer{};  ///< how it begins

@@ -1,7 +1,9 @@
 #include "engine/device/emulator/emulated_board.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -25,6 +27,9 @@
 
 namespace palpate::engine {
 
+/// Whose numbers are counts.
+using LogCounts = std::array<int, sizeof(BoardLog) / sizeof(int)>;
+
 struct EmulatedBoard::Shared {
     enum class Life : std::uint8_t { starting, running, failed };
 
@@ -36,7 +41,7 @@ struct EmulatedBoard::Shared {
     std::atomic<double> torque_1{0.0};
     std::atomic<double> torque_2{0.0};
     std::atomic<std::int64_t> since_ns{0};
-    std::array<std::atomic<int>, 9> log{};
+    std::array<std::atomic<int>, std::tuple_size_v<LogCounts>> log{};
 
     Exploration plan{};
     std::atomic<unsigned> ordered{0};  ///< explorations asked for
@@ -97,9 +102,7 @@ void tell(Shared& shared, const BoardHand& hand, const PortBoard& board) noexcep
     }
     const auto* haply = dynamic_cast<const HaplyBoard*>(&board);
     const BoardLog log = haply == nullptr ? BoardLog{} : haply->journal();
-    const std::array<int, 9> counts{log.setups,         log.resets,  log.exchanges,
-                                    log.desyncs,        log.unknown, log.missing,
-                                    log.undefined_duty, log.id_0,    log.hot_resets};
+    const auto counts = std::bit_cast<LogCounts>(log);
     for (std::size_t i = 0; i < counts.size(); ++i) {
         shared.log[i].store(counts[i], std::memory_order_relaxed);
     }
@@ -216,18 +219,9 @@ EmulatedBoard::Motors EmulatedBoard::motors() const noexcept {
 }
 
 BoardLog EmulatedBoard::journal() const noexcept {
-    const auto at = [&](std::size_t i) {
-        return shared_->log[i].load();
-    };
-    return {.setups = at(0),
-            .resets = at(1),
-            .hot_resets = at(8),
-            .exchanges = at(2),
-            .desyncs = at(3),
-            .unknown = at(4),
-            .missing = at(5),
-            .undefined_duty = at(6),
-            .id_0 = at(7)};
+    LogCounts counts{};
+    std::ranges::copy(shared_->log, counts.begin());
+    return std::bit_cast<BoardLog>(counts);
 }
 
 void EmulatedBoard::begin(const Exploration& plan) {

@@ -15,10 +15,6 @@ constexpr std::size_t kMaxPins = 14;  ///< a real board would write beyond its t
 HaplyBoard::HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired)
     : plant_(&plant), machine_(machine), wired_(wired) {}
 
-void HaplyBoard::receive(std::span<const std::uint8_t> bytes) {
-    in_.insert(in_.end(), bytes.begin(), bytes.end());
-}
-
 std::uint8_t HaplyBoard::take() noexcept {
     if (in_.empty()) {
         ++log_.missing;
@@ -239,22 +235,12 @@ void HaplyBoard::answer(std::uint8_t id) {
         bytes.resize(bytes.size() - 4);
         put(std::numeric_limits<double>::quiet_NaN());
     }
-    const auto due = [&](double delay) {  // a day is never
-        return polls_ + static_cast<std::int64_t>(std::fmin(delay, 86400.0) / kPollPeriod);
-    };
+    constexpr double kNever = 86400.0;  // s
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         const bool late = faults_.at_once >= 0 && i >= static_cast<std::size_t>(faults_.at_once);
-        out_.push_back({due(faults_.delay + (late ? faults_.rest_delay : 0.0)), bytes[i]});
+        const double delay = faults_.delay + (late ? faults_.rest_delay : 0.0);
+        out_.push_back({due_after(std::fmin(delay, kNever)), bytes[i]});
     }
-}
-
-std::size_t HaplyBoard::transmit(std::span<std::uint8_t> into) {
-    std::size_t sent = 0;
-    while (sent < into.size() && !out_.empty() && out_.front().poll <= polls_) {
-        into[sent++] = out_.front().byte;
-        out_.pop_front();
-    }
-    return sent;
 }
 
 bool HaplyBoard::command_is_cut() const noexcept {

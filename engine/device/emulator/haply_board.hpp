@@ -56,20 +56,14 @@ public:
     /// @param wired    how motors and encoders are wired in truth, whatever a set-up says
     HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired);
 
-    void receive(std::span<const std::uint8_t> bytes) override;
     void poll() override;
     void pass() override;
-    [[nodiscard]] std::size_t transmit(std::span<std::uint8_t> into) override;
     /// A poll now would fill the missing bytes with 0xFF.
     [[nodiscard]] bool command_is_cut() const noexcept override;
-    [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
     [[nodiscard]] Vec3 torque() const noexcept override { return torque_; }
     /// s since it began, when the motors last got no torque any more.
     [[nodiscard]] double zero_since() const noexcept { return zero_since_; }
     [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
-    [[nodiscard]] double time() const noexcept override {
-        return static_cast<double>(polls_) * kPollPeriod;
-    }
 
     void hush(bool silent) override { faults_ = {.silent = silent}; }
     /// All its faults at once, from the next exchange on.
@@ -131,13 +125,6 @@ private:
     std::vector<std::uint8_t> sensors_{};
     std::vector<std::uint8_t> pwm_{};
     Vec3 torque_{};
-    std::deque<std::uint8_t> in_{};
-    struct Due {
-        std::int64_t poll = 0;
-        std::uint8_t byte = 0;
-    };
-    std::deque<Due> out_{};
-    std::int64_t polls_ = 0;
 };
 
 }  // namespace palpate::engine

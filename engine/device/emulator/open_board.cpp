@@ -102,10 +102,6 @@ void OpenBoard::drive() noexcept {
     plant_->set_torque(torque());
 }
 
-void OpenBoard::receive(std::span<const std::uint8_t> bytes) {
-    in_.insert(in_.end(), bytes.begin(), bytes.end());
-}
-
 void OpenBoard::pass() {
     constexpr std::int64_t kTick = 20;  // polls
     ++polls_;
@@ -124,15 +120,14 @@ void OpenBoard::poll() {
         size = board_take(&board_, in_.front(), answer.data());
         in_.pop_front();
     }
-    const auto due = polls_ + static_cast<std::int64_t>(delay_ / kPollPeriod);
     for (std::size_t i = 0; i < size && !silent_; ++i) {
-        out_.push_back({due, answer[i]});
+        out_.push_back({due_after(delay_), answer[i]});
     }
 }
 
 void OpenBoard::post(std::uint64_t from, std::span<const std::uint8_t> datagram) {
     static_assert(static_cast<std::size_t>(BOARD_DATAGRAM) == kOpenDatagram);
-    Letter letter{.due = polls_ + static_cast<std::int64_t>(delay_ / kPollPeriod), .to = from};
+    Letter letter{.due = due_after(delay_), .to = from};
     letter.datagram.size =
         board_datagram(&board_, from, datagram.data(), static_cast<std::uint16_t>(datagram.size()),
                        letter.datagram.bytes.data());
@@ -148,15 +143,6 @@ std::optional<OpenBoard::Letter> OpenBoard::letter() {
     const Letter first = letters_.front();
     letters_.pop_front();
     return first;
-}
-
-std::size_t OpenBoard::transmit(std::span<std::uint8_t> into) {
-    std::size_t sent = 0;
-    while (sent < into.size() && !out_.empty() && out_.front().poll <= polls_) {
-        into[sent++] = out_.front().byte;
-        out_.pop_front();
-    }
-    return sent;
 }
 
 }  // namespace palpate::engine

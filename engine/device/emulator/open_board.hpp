@@ -19,14 +19,8 @@ public:
     /// @param wired    how motors and encoders are wired in truth
     OpenBoard(BoardPlant& plant, const Calibration& machine, const OpenWiring& wired);
 
-    void receive(std::span<const std::uint8_t> bytes) override;
     void poll() override;
     void pass() override;
-    [[nodiscard]] std::size_t transmit(std::span<std::uint8_t> into) override;
-    [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
-    [[nodiscard]] double time() const noexcept override {
-        return static_cast<double>(polls_) * kPollPeriod;
-    }
     void power_cycle() override;
 
     /// A datagram of `from`, taken at once; its answer comes out of letter().
@@ -76,14 +70,7 @@ private:
     std::array<std::int16_t, kMaxAxes> duty_{};  ///< by channel
     std::array<std::int32_t, kMaxAxes> zero_{};  ///< true counts at the last set-up, by channel
     std::array<std::optional<double>, kMaxAxes> stuck_{};  ///< rad that unplugged encoders say
-    std::deque<std::uint8_t> in_{};
-    struct Due {
-        std::int64_t poll = 0;
-        std::uint8_t byte = 0;
-    };
-    std::deque<Due> out_{};
     std::deque<Letter> letters_{};
-    std::int64_t polls_ = 0;
 };
 
 }  // namespace palpate::engine

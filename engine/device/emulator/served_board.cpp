@@ -62,19 +62,20 @@ PtyBoard::~PtyBoard() {
 }
 
 void PtyBoard::open() {
-    master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    master_ = Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    const int master = master_.get();
     std::array<char, 128> name{};
-    if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0 ||
-        ptsname_r(master_, name.data(), name.size()) != 0) {
+    if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0 ||
+        ptsname_r(master, name.data(), name.size()) != 0) {
         close();
         throw std::runtime_error("the system gives no pseudo-terminal: is /dev/pts mounted?");
     }
     terminal_ = name.data();
-    slave_ = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    slave_ = Descriptor(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     termios raw{};
-    tcgetattr(slave_, &raw);
+    tcgetattr(slave_.get(), &raw);
     cfmakeraw(&raw);
-    tcsetattr(slave_, TCSANOW, &raw);
+    tcsetattr(slave_.get(), TCSANOW, &raw);
     if (!link_.empty()) {
         if (!target_of(link_).empty()) {  // left by an emulator that was killed; a file stays
             unlink(link_.c_str());
@@ -91,45 +92,41 @@ void PtyBoard::open() {
 }
 
 void PtyBoard::close() noexcept {
-    if (!link_.empty() && master_ >= 0 && target_of(link_) == terminal_) {  // not another's
+    if (!link_.empty() && plugged() && target_of(link_) == terminal_) {  // not another's
         unlink(link_.c_str());
     }
-    for (int* fd : {&slave_, &master_}) {
-        if (*fd >= 0) {
-            ::close(*fd);
-            *fd = -1;
-        }
-    }
+    slave_ = Descriptor();
+    master_ = Descriptor();
 }
 
 void PtyBoard::plug(bool in) {
-    if (in && master_ < 0) {
+    if (in && !plugged()) {
         open();
-    } else if (!in && master_ >= 0) {
+    } else if (!in && plugged()) {
         close();
         board_->power_cycle();
     }
 }
 
 void PtyBoard::step(int wait_us) {
-    if (master_ < 0) {
+    if (!plugged()) {
         poll(nullptr, 0, 1);
         pace_.catch_up();
         return;
     }
-    const bool something =
-        readable(master_, std::int64_t{wait_us} * 1000) && take(master_, *board_);
+    const int host = master_.get();
+    const bool something = readable(host, std::int64_t{wait_us} * 1000) && take(host, *board_);
     pace_.catch_up();
     for (int i = 0; something && board_->has_input() && i < kMaxCommands; ++i) {
-        while (board_->command_is_cut() && readable(master_, kRestMs * 1'000'000) &&
-               take(master_, *board_)) {
+        while (board_->command_is_cut() && readable(host, kRestMs * 1'000'000) &&
+               take(host, *board_)) {
         }
         board_->poll();
     }
     std::array<std::uint8_t, 512> answer{};
     const std::size_t size = board_->transmit(answer);
     if (size > 0) {  // a host that does not listen loses the answer
-        static_cast<void>(write(master_, answer.data(), size) < 0);
+        static_cast<void>(write(host, answer.data(), size) < 0);
     }
 }
 
@@ -140,17 +137,11 @@ UdpBoard::UdpBoard(OpenBoard& board, std::uint16_t port)
     here.sin_port = htons(port);
     here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof here;
-    if (socket_ < 0 || bind(socket_, any(here), size) != 0 ||
-        getsockname(socket_, any(here), &size) != 0) {
-        close(socket_);
-        throw std::runtime_error("the UDP port " + std::to_string(port) +
-                                 " is taken or not to be had: give another one, or 0 for any");
-    }
+    refuse_if<std::runtime_error>(
+        socket_.get() < 0 || bind(socket_.get(), any(here), size) != 0 ||
+            getsockname(socket_.get(), any(here), &size) != 0,
+        "the UDP port {} is taken or not to be had: give another one, or 0 for any", port);
     port_ = ntohs(here.sin_port);
-}
-
-UdpBoard::~UdpBoard() {
-    close(socket_);
 }
 
 std::string UdpBoard::path() const {
@@ -163,8 +154,8 @@ void UdpBoard::take() {
         std::array<std::uint8_t, 512> datagram{};
         sockaddr_in from{};
         socklen_t size = sizeof from;
-        const ssize_t got =
-            recvfrom(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT, any(from), &size);
+        const ssize_t got = recvfrom(socket_.get(), datagram.data(), datagram.size(), MSG_DONTWAIT,
+                                     any(from), &size);
         if (got < 0) {
             return;
         }
@@ -181,13 +172,13 @@ void UdpBoard::answer() {
         to.sin_addr.s_addr = static_cast<in_addr_t>(letter->to >> 16U);
         to.sin_port = static_cast<in_port_t>(letter->to);
         const auto& datagram = letter->datagram;
-        static_cast<void>(sendto(socket_, datagram.bytes.data(), datagram.size, MSG_NOSIGNAL,
+        static_cast<void>(sendto(socket_.get(), datagram.bytes.data(), datagram.size, MSG_NOSIGNAL,
                                  any(to), sizeof to) < 0);
     }
 }
 
 void UdpBoard::step(int wait_us) {
-    pollfd one{.fd = socket_, .events = POLLIN, .revents = 0};
+    pollfd one{.fd = socket_.get(), .events = POLLIN, .revents = 0};
     const timespec wait{.tv_sec = 0, .tv_nsec = 1000L * wait_us};
     if (ppoll(&one, 1, &wait, nullptr) > 0) {
         take();

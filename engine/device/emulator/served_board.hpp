@@ -7,6 +7,7 @@
 #include <netinet/in.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/descriptor.hpp"
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/port_board.hpp"
 #include "engine/device/open/open_wire.hpp"
@@ -50,8 +51,6 @@ public:
     ///               older link, never of a file; empty: none
     /// @throws std::runtime_error if the system gives no terminal or the link cannot be made
     PtyBoard(PortBoard& board, std::string link);
-    PtyBoard(const PtyBoard&) = delete;
-    PtyBoard& operator=(const PtyBoard&) = delete;
     ~PtyBoard();
 
     /// Where the host opens it: the link, or the terminal itself.
@@ -60,7 +59,7 @@ public:
     void step(int wait_us);
     /// Pulls the plug (the board loses its power, the host its terminal) or puts it in again.
     void plug(bool in);
-    [[nodiscard]] bool plugged() const noexcept { return master_ >= 0; }
+    [[nodiscard]] bool plugged() const noexcept { return master_.get() >= 0; }
 
 private:
     void open();
@@ -69,8 +68,8 @@ private:
     PortBoard* board_;
     std::string link_;
     std::string terminal_;
-    int master_ = -1;
-    int slave_ = -1;  ///< held open: without a host the master would report a hang-up for ever
+    Descriptor master_{};
+    Descriptor slave_{};  ///< held open: without a host the master would report a hang-up for ever
     BoardPace pace_;
 };
 
@@ -81,9 +80,6 @@ public:
     /// @param port   0: any that is free
     /// @throws std::runtime_error if the port is taken
     UdpBoard(OpenBoard& board, std::uint16_t port);
-    UdpBoard(const UdpBoard&) = delete;
-    UdpBoard& operator=(const UdpBoard&) = delete;
-    ~UdpBoard();
 
     /// As --device has it behind "board:", "udp:127.0.0.1:5000".
     [[nodiscard]] std::string path() const;
@@ -97,7 +93,7 @@ private:
     OpenBoard* board_;
     BoardPace pace_;
     std::uint16_t port_ = 0;
-    int socket_ = -1;
+    Descriptor socket_;
 };
 
 }  // namespace palpate::engine
