@@ -248,9 +248,9 @@ protocols::Ports ports_of(const RunningRig& rig,
                 },
             .paused = [](bool begins) { say("{}", pause_text(begins)); },
             .marked =
-                [rig](const protocols::MarkReply& reply) {
-                    say("{}", rig.log.marked(reply));
-                    rig.live.marked(reply, rig.log.alarms());
+                [rig, &log](const protocols::MarkReply& reply) {
+                    say("{}", log.marked(reply));
+                    rig.live.marked(reply, log.alarms());
                 },
             .desk = &rig.desk};
 }
