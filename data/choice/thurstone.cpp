@@ -54,12 +54,34 @@ struct Profile {
         double loss = 0.0;           ///< where the walk ended
     };
 
-    /// From the maximum to `end`, or to where the loss is too large.
-    Edge edge(double step, double end) {
-        near = top.at;
-        const double start = top.at[parameter];
+    /// On both sides; and where it is asked for the loss at 0. An interval that lacks 0, which is
+    /// likely all the same on a hill that no walk found, reaches beyond it.
+    struct Edges {
+        Edge low{};
+        Edge high{};
+        double loss_at_none = 0.0;
+    };
+    Edges edges(double step, const Interval& limits, bool asks_none) {
+        Edges found{.low = edge(top.at, 0.0, -step, limits.low),
+                    .high = edge(top.at, 0.0, step, limits.high)};
+        if (asks_none) {
+            const double loss = found.loss_at_none = loss_at_none();
+            const Parameters none = near;
+            if (loss < kLoss95 && found.low.at.value_or(0.0) > 0.0) {
+                found.low = edge(none, loss, -step, limits.low);
+            } else if (loss < kLoss95 && found.high.at.value_or(0.0) < 0.0) {
+                found.high = edge(none, loss, step, limits.high);
+            }
+        }
+        return found;
+    }
+
+    /// From a place to `end`, or to where the loss is too large.
+    Edge edge(const Parameters& from, double loss_there, double step, double end) {
+        near = from;
+        const double start = from[parameter];
         double left = start;
-        double loss_left = 0.0;
+        double loss_left = loss_there;
         const double sign = step < 0.0 ? -1.0 : 1.0;
         if (sign * (end - start) <= 0.0) {
             return {};
@@ -98,6 +120,7 @@ struct Profile {
                 take_higher(best, climb(model, std::move(start), parameter));
             }
         }
+        near = best.at;
         return loss_of(best);
     }
 
@@ -158,10 +181,10 @@ Maximum add_intervals(ThurstoneFit& fit,
     starts.push_back(top.at);
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart& part = fit.parts[f];
-        const Interval limits = sigma_limits(spec, spec.relative && f > 0);
+        const bool relative = spec.relative && f > 0;
+        const Interval limits = sigma_limits(spec, relative);
         Profile sigma{model, spec, top, starts, layout.sigma(f), seen};
-        const Profile::Edge low = sigma.edge(-0.4, limits.low);
-        const Profile::Edge high = sigma.edge(0.4, limits.high);
+        const auto [low, high, ratio_loss] = sigma.edges(0.4, limits, relative);
         const double at = top.at[layout.sigma(f)];
         const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
         const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
@@ -171,15 +194,12 @@ Maximum add_intervals(ThurstoneFit& fit,
                                                                   : SigmaEnd::both;
         part.sigma_interval =
             Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
-        if (spec.relative && f > 0) {
-            part.ratio_loss = sigma.loss_at_none();
-        }
+        part.ratio_loss = ratio_loss;
         if (layout.shifts(f)) {
             Profile shift{model, spec, top, starts, layout.shift(f), seen};
-            const double step = 0.1 * range;
-            const Profile::Edge down = shift.edge(-step, -kFarShift * range);
-            const Profile::Edge up = shift.edge(step, kFarShift * range);
-            part.shift_loss = spec.relative ? shift.loss_at_none() : 0.0;
+            const Interval far{-kFarShift * range, kFarShift * range};
+            const auto [down, up, loss] = shift.edges(0.1 * range, far, spec.relative);
+            part.shift_loss = loss;
             part.shift_interval = Interval{down.at.value_or(-kInfinite), up.at.value_or(kInfinite)};
         }
     }

@@ -89,11 +89,6 @@ const SessionVersion* last_of(const Versions& versions,
         const auto kept = std::ranges::stable_partition(
             latest, [&](const SessionVersion* one) { return became(*preferred, *one); });
         if (kept.begin() - latest.begin() == 1) {
-            for (const SessionVersion* one : kept) {
-                report.notices.push_back(
-                    fmt::format("{}: it is as {} has it; what {} has beside that is left out",
-                                called(*one), latest.front()->file, one->file));
-            }
             return latest.front();
         }
     }
@@ -201,6 +196,21 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
     return order;
 }
 
+/// What a preference leaves out of the sessions that are merged.
+void note_preferred(const std::vector<SessionMerge>& order,
+                    const std::map<std::string, Versions>& all,
+                    MergeReport& report) {
+    for (const SessionMerge& one : order) {
+        for (const SessionVersion* other : latest_of(all.at(one.last->uuid))) {
+            if (other != one.last) {
+                report.notices.push_back(
+                    fmt::format("{}: it is as {} has it; what {} has beside that is left out",
+                                called(*other), one.last->file, other->file));
+            }
+        }
+    }
+}
+
 void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeReport& report) {
     if (one.own == nullptr) {
         add_session(*one.last, out, layout);
@@ -304,6 +314,7 @@ bool merge_into(Database& out,
     people.write(out);
     destroyed = people.forgot(out.file());
     leave_out(order, people, report);
+    note_preferred(order, all, report);
     for (const SessionMerge& one : order) {  // who changes whose it is: numbers for each other
         if (one.own != nullptr) {
             out.run(
