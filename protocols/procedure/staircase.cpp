@@ -52,7 +52,7 @@ double moved(StepScale scale, double level, double step) {
 }
 
 /// A level is a bound if it is that close to it, relative.
-constexpr double kSame = 1e-9;
+constexpr double kAtBound = 1e-9;
 
 /// @param size  > 0, of the numbers that were added up to x
 double twelve_digits(double x, double size) {
@@ -93,7 +93,8 @@ void Staircase::place() {
     const double size = linear ? std::max(std::fabs(base_), std::fabs(by)) : there;
     level_ =
         std::clamp(size > 0.0 ? twelve_digits(there, size) : there, spec_.lowest, spec_.highest);
-    if (std::fabs(there - level_) > kSame * std::fabs(there)) {  // on from a bound that is no step
+    if (std::fabs(there - level_) >
+        kAtBound * std::fabs(there)) {  // on from a bound that is no step
         base_ = level_;
         moved_ = 0.0;
     }

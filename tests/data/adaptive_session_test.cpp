@@ -93,6 +93,24 @@ TEST_CASE("a trial that does not count leaves the rule as it was, and its stimul
     CHECK(differences(database).empty());
 }
 
+TEST_CASE("what a trial says of two intervals is of both together", "[adaptive][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    REQUIRE(run_simulated(database, session_spec(adaptive_protocol())).why ==
+            protocols::SessionEnd::Why::finished);
+    const std::int64_t felt = count(database, "presentation WHERE interval = 2");
+    CHECK(felt > 10);
+    CHECK(count(database,
+                "(SELECT trial_id, sum(done_s) AS done FROM presentation "
+                "GROUP BY trial_id) JOIN analysis_trial USING (trial_id) JOIN trial USING "
+                "(trial_id) WHERE abs(done - trial.done_s) < 1e-9 AND contact_s <= done + 1e-9") ==
+          count(database, "trial"));
+    database.execute(
+        "UPDATE trial SET done_s = (SELECT done_s FROM presentation AS last WHERE "
+        "last.trial_id = trial.trial_id AND interval = 2) WHERE trial_id = 4");
+    CHECK_THAT(differences(database), Has("done_s"));
+}
+
 TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows",
           "[adaptive][law]") {
     const TemporaryFolder folder;
