@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -37,9 +38,7 @@ const Spec* named(const std::vector<Spec>& specs, std::string_view name) {
 template <class Spec>
 std::string one_of(std::string_view unknown, const std::vector<Spec>& specs) {
     std::vector<std::string_view> names;
-    for (const Spec& spec : specs) {
-        names.push_back(spec.name);
-    }
+    std::ranges::transform(specs, std::back_inserter(names), &Spec::name);
     return suggestion(unknown, names, fmt::format(": give {}", fmt::join(names, " or ")));
 }
 

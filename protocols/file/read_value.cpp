@@ -77,12 +77,9 @@ public:
     Cell(const Key& key, const Value& value, TableReader& table)
         : key_(key), value_(value), table_(table) {}
 
-    void operator()(double* out) const {
-        if (const auto number = this->number()) {
-            *out = to_si(*number);
-        }
-    }
-    void operator()(std::optional<double>* out) const {
+    /// A number, or one that may be left out.
+    template <class Number>
+    void operator()(Number* out) const {
         if (const auto number = this->number()) {
             *out = to_si(*number);
         }
@@ -141,11 +138,7 @@ public:
         }
     }
 
-    void operator()(engine::Vec2* out) const {
-        if (const auto point = this->point()) {
-            *out = *point;
-        }
-    }
+    void operator()(engine::Vec2* out) const { *out = point().value_or(*out); }
     void operator()(std::optional<engine::Vec2>* out) const {
         if (const auto point = this->point()) {
             *out = point;

@@ -15,8 +15,6 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr double kTie = 1e-12;
-
 /// sum a_i b_i in eight strands, each in order: one fixed result, and work for every unit of a
 /// processor.
 double dot(std::span<const double> a, std::span<const double> b) noexcept {
@@ -38,7 +36,7 @@ double dot(std::span<const double> a, std::span<const double> b) noexcept {
            ((strand[1] + strand[5]) + (strand[3] + strand[7]));
 }
 
-constexpr double kSame = 1e-12;
+constexpr double kSame = 1e-12;  ///< of entropies in bits, and of weights
 
 std::vector<double> normalised(std::span<const double> weights, const Axis& axis) {
     if (weights.empty()) {
@@ -152,7 +150,7 @@ std::vector<double> expected_entropies(const LikelihoodTable& table,
 
 std::size_t first_of_least(std::span<const double> entropies) noexcept {
     const double least = *std::min_element(entropies.begin(), entropies.end());
-    const double max = least + kTie * std::max(1.0, std::fabs(least));
+    const double max = least + kSame * std::max(1.0, std::fabs(least));
     const auto first = std::find_if(entropies.begin(), entropies.end(),
                                     [max](double entropy) { return entropy <= max; });
     return static_cast<std::size_t>(first - entropies.begin());

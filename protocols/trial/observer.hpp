@@ -52,6 +52,8 @@ struct TroubleView {
     std::size_t tries = 0;     ///< how often the device was asked to come back, in vain
     std::size_t in_a_row = 1;  ///< faulted trials since the last good one
     bool by_hand = false;      ///< the experimenter has to go on, and not the participant
+
+    friend bool operator==(const TroubleView&, const TroubleView&) = default;
 };
 
 /// When nobody is there to mend anything: failed tries, and faults in a row, after which to give
