@@ -17,6 +17,11 @@ SQLITE_EXTENSION_INIT3
 namespace palpate::data {
 namespace {
 
+/// Why a row cannot be taken, in the words of the function's name.
+struct Refused {
+    std::string why;
+};
+
 double number(const char* name, sqlite3_value* value) {
     const int type = sqlite3_value_numeric_type(value);
     if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) {
@@ -242,8 +247,10 @@ void step(sqlite3_context* context, int count, sqlite3_value** values) {
             *aggregate = new Aggregate;
         }
         ((*aggregate)->*change)(count, values);
-    } catch (...) {
-        give_error(context);
+    } catch (const Refused& refused) {
+        sqlite3_result_error(context, refused.why.c_str(), static_cast<int>(refused.why.size()));
+    } catch (const std::exception&) {
+        sqlite3_result_error_nomem(context);
     }
 }
 
@@ -257,8 +264,8 @@ void value(sqlite3_context* context) {
         if (const auto result = (*aggregate)->value()) {
             sqlite3_result_double(context, *result);
         }
-    } catch (...) {
-        give_error(context);
+    } catch (const std::exception&) {
+        sqlite3_result_error_nomem(context);
     }
 }
 
@@ -278,16 +285,20 @@ int add(sqlite3* db, const char* name, int arguments) {
         step<Aggregate, &Aggregate::remove>, nullptr);
 }
 
+/// R's SQLite brings a median of its own, the same one. SQLite says busy there, since the statement
+/// that loads this is running; then theirs stays.
+int add_median(sqlite3* db) {
+    const int code = add<Quantile>(db, "median", 1);
+    return (code & 0xFF) == SQLITE_BUSY ? SQLITE_OK : code;
+}
+
 }  // namespace
 
 int add_aggregate_functions(sqlite3* db) {
     using PlugIn = Transmitted<&Information::plug_in>;
     using MillerMadow = Transmitted<&Information::corrected>;
-    // R's SQLite brings a median of its own, the same one. SQLite says busy there, since the
-    // statement that loads this is running; then theirs stays.
-    const int median = add<Quantile>(db, "median", 1);
     const int codes[] = {
-        (median & 0xFF) == SQLITE_BUSY ? SQLITE_OK : median,
+        add_median(db),
         add<Quantile>(db, "quantile", 2),
         add<GeometricMean>(db, "geometric_mean", 1),
         add<StandardDeviation>(db, "stddev_samp", 1),

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <string>
-
 struct sqlite3;
-struct sqlite3_context;
 struct sqlite3_value;
 
 namespace palpate::data {
@@ -15,13 +12,6 @@ bool has_own_sample(sqlite3* db);
 /// of that name it stands before it, as this connection's own.
 /// @return an SQLite result code
 int add_sample_module(sqlite3* db);
-
-/// Why a function of SQL cannot take a value, in the words of its name.
-struct Refused {
-    std::string why;
-};
-/// What is caught right now, as the function's error: Refused in its words, else no memory.
-void give_error(sqlite3_context* context);
 
 /// Whether one of the arguments of a function is NULL.
 [[nodiscard]] bool any_null(int count, sqlite3_value** values);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -16,15 +15,20 @@ SQLITE_EXTENSION_INIT3
 namespace palpate::data {
 namespace {
 
+void refuse(sqlite3_context* context, const std::string& why) {
+    sqlite3_result_error(context, why.c_str(), static_cast<int>(why.size()));
+}
+
 /// A whole number, also where it is stored as REAL (the sum of a column, say).
-std::optional<std::int64_t> whole(sqlite3_value* value) {
+bool whole(sqlite3_value* value, std::int64_t& number) {
     const int type = sqlite3_value_numeric_type(value);
     const double real = sqlite3_value_double(value);
     constexpr double kExact = 9007199254740992.0;  // 2^53
-    const bool exact = std::fabs(real) <= kExact && std::floor(real) == real;
-    return type == SQLITE_INTEGER || (type == SQLITE_FLOAT && exact)
-             ? std::optional<std::int64_t>(sqlite3_value_int64(value))
-             : std::nullopt;
+    if (type == SQLITE_FLOAT && !(std::fabs(real) <= kExact && std::floor(real) == real)) {
+        return false;
+    }
+    number = sqlite3_value_int64(value);
+    return type == SQLITE_INTEGER || type == SQLITE_FLOAT;
 }
 
 struct Share {
@@ -32,13 +36,13 @@ struct Share {
     std::int64_t n = 0;
 };
 
-Share read_share(const char* name, sqlite3_value** values) {
-    const auto k = whole(values[0]);
-    const auto n = whole(values[1]);
-    if (!k || !n || *k < 0 || *k > *n) {
-        throw Refused{fmt::format("{}: give whole numbers with 0 <= k <= n", name)};
+bool read_share(sqlite3_context* context, const char* name, sqlite3_value** values, Share& share) {
+    if (whole(values[0], share.k) && whole(values[1], share.n) && 0 <= share.k &&
+        share.k <= share.n) {
+        return true;
     }
-    return {*k, *n};
+    refuse(context, fmt::format("{}: give whole numbers with 0 <= k <= n", name));
+    return false;
 }
 
 struct IntervalFunction {
@@ -61,67 +65,66 @@ constexpr IntervalFunction kIntervals[] = {
     {"clopper_pearson_high", clopper_pearson_at, &Interval::high},
 };
 
-/// What a function says of its arguments, of which none is NULL; nothing: NULL.
-using Said = std::optional<double>;
-
-Said interval_end(const void* data, int count, sqlite3_value** values) {
-    const auto& function = *static_cast<const IntervalFunction*>(data);
-    const Share share = read_share(function.name, values);
+void interval_function(sqlite3_context* context, int count, sqlite3_value** values) {
+    const auto& function = *static_cast<const IntervalFunction*>(sqlite3_user_data(context));
+    Share share;
+    if (any_null(count, values) || !read_share(context, function.name, values, share)) {
+        return;
+    }
     const double confidence = count == 3 ? sqlite3_value_double(values[2]) : 0.95;
     if (!(confidence > 0.0 && confidence < 1.0)) {
-        throw Refused{fmt::format("{}: confidence is {}: give a share between 0 and 1, as 0.95",
-                                  function.name, confidence)};
-    }
-    try {
-        return function.interval(share, confidence).*function.end;
-    } catch (const std::exception& e) {
-        throw Refused{fmt::format("{}: {}", function.name, e.what())};
-    }
-}
-
-Said d_prime_of(const void* /*data*/, int /*count*/, sqlite3_value** values) {
-    const Share share = read_share("d_prime", values);
-    const auto alternatives = whole(values[2]);
-    constexpr std::int64_t kMax = 1000;
-    if (!alternatives || *alternatives < 2 || *alternatives > kMax) {
-        throw Refused{"d_prime: alternatives must be a whole number from 2 to 1000"};
-    }
-    // Without an answer nothing is known.
-    return share.n > 0 ? Said(d_prime(share.k, share.n, *alternatives)) : std::nullopt;
-}
-
-/// A text that is no number would count as 0.
-double no_text(const char* name, sqlite3_value* value) {
-    const int type = sqlite3_value_numeric_type(value);
-    if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) {
-        throw Refused{fmt::format("{}: give a number, not a text", name)};
-    }
-    return sqlite3_value_double(value);
-}
-
-Said probit_of(const void* /*data*/, int /*count*/, sqlite3_value** values) {
-    const double p = no_text("probit", values[0]);
-    if (!(p >= 0.0 && p <= 1.0)) {
-        throw Refused{fmt::format("probit: p is {}: give a share from 0 to 1", p)};
-    }
-    return protocols::normal_quantile(p);
-}
-
-Said normal_cdf_of(const void* /*data*/, int /*count*/, sqlite3_value** values) {
-    return protocols::normal_cdf(no_text("normal_cdf", values[0]));
-}
-
-template <Said (*Function)(const void*, int, sqlite3_value**)>
-void scalar(sqlite3_context* context, int count, sqlite3_value** values) {
-    if (any_null(count, values)) {
+        refuse(context, fmt::format("{}: confidence is {}: give a share between 0 and 1, as 0.95",
+                                    function.name, confidence));
         return;
     }
     try {
-        if (const Said said = Function(sqlite3_user_data(context), count, values)) {
-            sqlite3_result_double(context, *said);
-        }
-    } catch (...) {
-        give_error(context);
+        sqlite3_result_double(context, function.interval(share, confidence).*function.end);
+    } catch (const std::exception& e) {
+        refuse(context, fmt::format("{}: {}", function.name, e.what()));
+    }
+}
+
+void d_prime_function(sqlite3_context* context, int count, sqlite3_value** values) {
+    Share share;
+    if (any_null(count, values) || !read_share(context, "d_prime", values, share)) {
+        return;
+    }
+    std::int64_t alternatives = 0;
+    constexpr std::int64_t kMax = 1000;
+    if (!whole(values[2], alternatives) || alternatives < 2 || alternatives > kMax) {
+        refuse(context, "d_prime: alternatives must be a whole number from 2 to 1000");
+        return;
+    }
+    if (share.n > 0) {  // without an answer nothing is known: NULL
+        sqlite3_result_double(context, d_prime(share.k, share.n, alternatives));
+    }
+}
+
+/// A text that is no number would count as 0. @return false: refused
+bool is_number(sqlite3_context* context, const char* name, sqlite3_value* value) {
+    const int type = sqlite3_value_numeric_type(value);
+    if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) {
+        return true;
+    }
+    refuse(context, fmt::format("{}: give a number, not a text", name));
+    return false;
+}
+
+void probit_function(sqlite3_context* context, int count, sqlite3_value** values) {
+    if (any_null(count, values) || !is_number(context, "probit", values[0])) {
+        return;
+    }
+    const double p = sqlite3_value_double(values[0]);
+    if (!(p >= 0.0 && p <= 1.0)) {
+        refuse(context, fmt::format("probit: p is {}: give a share from 0 to 1", p));
+        return;
+    }
+    sqlite3_result_double(context, protocols::normal_quantile(p));
+}
+
+void normal_cdf_function(sqlite3_context* context, int count, sqlite3_value** values) {
+    if (!any_null(count, values) && is_number(context, "normal_cdf", values[0])) {
+        sqlite3_result_double(context, protocols::normal_cdf(sqlite3_value_double(values[0])));
     }
 }
 
@@ -137,16 +140,6 @@ int add(sqlite3* db,
 
 }  // namespace
 
-void give_error(sqlite3_context* context) {
-    try {
-        throw;
-    } catch (const Refused& refused) {
-        sqlite3_result_error(context, refused.why.c_str(), static_cast<int>(refused.why.size()));
-    } catch (...) {
-        sqlite3_result_error_nomem(context);
-    }
-}
-
 bool any_null(int count, sqlite3_value** values) {
     return std::any_of(values, values + count, [](sqlite3_value* value) {
         return sqlite3_value_type(value) == SQLITE_NULL;
@@ -159,12 +152,12 @@ int add_scalar_functions(sqlite3* db) {
         for (const int arguments : {2, 3}) {
             code = code != SQLITE_OK
                      ? code
-                     : add(db, function.name, arguments, scalar<interval_end>, &function);
+                     : add(db, function.name, arguments, interval_function, &function);
         }
     }
-    code = code != SQLITE_OK ? code : add(db, "d_prime", 3, scalar<d_prime_of>);
-    code = code != SQLITE_OK ? code : add(db, "probit", 1, scalar<probit_of>);
-    return code != SQLITE_OK ? code : add(db, "normal_cdf", 1, scalar<normal_cdf_of>);
+    code = code != SQLITE_OK ? code : add(db, "d_prime", 3, d_prime_function);
+    code = code != SQLITE_OK ? code : add(db, "probit", 1, probit_function);
+    return code != SQLITE_OK ? code : add(db, "normal_cdf", 1, normal_cdf_function);
 }
 
 }  // namespace palpate::data

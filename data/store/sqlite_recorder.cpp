@@ -188,6 +188,10 @@ bool SqliteRecorder::save() {
     if (!trace_.has_unsaved()) {
         return true;
     }
+    struct PatienceAgain {
+        Database& database;
+        ~PatienceAgain() { database.wait_for_locks(kPatienceMs); }
+    } const afterwards{database_};
     database_.wait_for_locks(0);
     try {
         with_room([this] {
@@ -196,15 +200,10 @@ bool SqliteRecorder::save() {
             all.commit();
         });
         trace_.saved();
+        return true;
     } catch (const LockedFile&) {  // an analyst holds a lock: the ticks wait here
-        database_.wait_for_locks(kPatienceMs);
         return false;
-    } catch (...) {
-        database_.wait_for_locks(kPatienceMs);
-        throw;
     }
-    database_.wait_for_locks(kPatienceMs);
-    return true;
 }
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <ranges>
 #include <set>
 
 #include <fmt/format.h>
@@ -20,11 +21,7 @@ std::string type_of(const std::string& sqlite) {
 }
 
 std::string quoted(const std::vector<std::string>& names) {
-    std::string list;
-    for (const std::string& name : names) {
-        list += (list.empty() ? "" : ", ") + quoted_name(name);
-    }
-    return list;
+    return fmt::format("{}", fmt::join(std::views::transform(names, quoted_name), ", "));
 }
 
 /// The columns of `from` after those of its owner, and the part of its key that is not the owner.

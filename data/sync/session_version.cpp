@@ -1,6 +1,7 @@
 #include "data/sync/session_version.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <set>
 
 #include <fmt/format.h>
@@ -157,11 +158,8 @@ std::string OwnedTable::list() const {
 }
 
 std::string OwnedTable::select(std::string_view owner) const {
-    std::string order;
-    for (std::size_t i = 1; i <= columns.size(); ++i) {
-        order += fmt::format("{}{}", i == 1 ? "" : ", ", i);
-    }
-    return fmt::format("SELECT {} FROM {} WHERE {} = ?1 ORDER BY {}", list(), name, owner, order);
+    return fmt::format("SELECT {} FROM {} WHERE {} = ?1 ORDER BY {}", list(), name, owner,
+                       fmt::join(std::views::iota(std::size_t{1}, columns.size() + 1), ", "));
 }
 
 std::string OwnedTable::insert(std::string_view owner) const {

@@ -239,64 +239,53 @@ private:
     std::array<Word, kBlock + 2> values_{};  ///< behind the two before them
 };
 
-template <auto Of>
-void values_of(std::span<const TickRecord> ticks, std::span<std::int64_t> values) {
-    std::ranges::transform(ticks, values.begin(), Of);
-}
-using Tick = const TickRecord;
-
-/// By ColumnId.
-constexpr std::array<void (*)(std::span<Tick>, std::span<std::int64_t>), kStoredColumns> kValues{
-    values_of<&TickRecord::tick>,
-    values_of<&TickRecord::time_ns>,
-    values_of<[](Tick& tick) {
-        return tick.counts[0];
-    }>,
-    values_of<[](Tick& tick) {
-        return tick.counts[1];
-    }>,
-    values_of<[](Tick& tick) {
-        return tick.codes[0];
-    }>,
-    values_of<[](Tick& tick) {
-        return tick.codes[1];
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(double{tick.lateness_us}, kLatenessSteps);
-    }>,
-    values_of<&TickRecord::flags>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.hip.x, kHipSteps);
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.hip.y, kHipSteps);
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.command.x, kCommandSteps);
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.command.y, kCommandSteps);
-    }>,
-    values_of<[](Tick& tick) {
-        return tick.counts[2];
-    }>,
-    values_of<[](Tick& tick) {
-        return tick.codes[2];
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.hip.z, kHipSteps);
-    }>,
-    values_of<[](Tick& tick) {
-        return in_steps(tick.command.z, kCommandSteps);
-    }>,
-};
-
 }  // namespace
 
 void stored_values(ColumnId column,
                    std::span<const TickRecord> ticks,
                    std::span<std::int64_t> values) noexcept {
-    kValues[static_cast<std::size_t>(column)](ticks, values);
+    const auto each = [&](const auto& value_of) {
+        std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
+    };
+    switch (column) {
+        case ColumnId::tick:
+            return each([](const TickRecord& tick) { return tick.tick; });
+        case ColumnId::time_ns:
+            return each([](const TickRecord& tick) { return tick.time_ns; });
+        case ColumnId::count_1:
+            return each([](const TickRecord& tick) { return tick.counts[0]; });
+        case ColumnId::count_2:
+            return each([](const TickRecord& tick) { return tick.counts[1]; });
+        case ColumnId::code_1:
+            return each([](const TickRecord& tick) { return tick.codes[0]; });
+        case ColumnId::code_2:
+            return each([](const TickRecord& tick) { return tick.codes[1]; });
+        case ColumnId::lateness_ns:
+            return each([](const TickRecord& tick) {
+                return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
+            });
+        case ColumnId::flags:
+            return each([](const TickRecord& tick) { return tick.flags; });
+        case ColumnId::hip_x:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
+        case ColumnId::hip_y:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
+        case ColumnId::command_x:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
+        case ColumnId::command_y:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
+        case ColumnId::count_3:
+            return each([](const TickRecord& tick) { return tick.counts[2]; });
+        case ColumnId::code_3:
+            return each([](const TickRecord& tick) { return tick.codes[2]; });
+        case ColumnId::hip_z:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); });
+        case ColumnId::command_z:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); });
+    }
 }
 
 void pack_column(ColumnId which,

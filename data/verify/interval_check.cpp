@@ -96,26 +96,6 @@ void check_presses(const protocols::Protocol& protocol,
     }
 }
 
-void read_chunks(Database& database,
-                 std::int64_t trial,
-                 std::int64_t interval,
-                 bool traceless,
-                 CheckedInterval& one,
-                 Findings& findings) {
-    try {
-        one.chunks = stored_chunks(database, trial, interval);
-        if (traceless) {
-            one.trace.whole = false;  // nothing is known of what nobody kept
-            if (!one.chunks.views.empty()) {
-                findings.differs("trace_chunk", "ticks", "none: the session kept none");
-            }
-        }
-    } catch (const TraceError& e) {
-        one.trace.whole = false;
-        findings.differs("trace_chunk", e.what(), "a chunk that can be read");
-    }
-}
-
 using engine::TickRecord;
 
 /// As the flight recorder keeps them.
@@ -209,10 +189,6 @@ protocols::TrialSummary summary_of(const SessionFrame& frame,
     return meter.summary();
 }
 
-bool all_whole(std::span<const CheckedInterval> intervals) {
-    return std::ranges::all_of(intervals, [](const auto& one) { return one.trace.whole; });
-}
-
 }  // namespace
 
 std::vector<CheckedInterval> check_intervals(Database& database,
@@ -238,7 +214,16 @@ std::vector<CheckedInterval> check_intervals(Database& database,
         CheckedInterval& one = intervals.emplace_back();
         one.row = rows[i];
         one.scene = scene_of(frame, expected[i], rows[i], known, findings);
-        read_chunks(database, id, static_cast<std::int64_t>(i + 1), frame.traceless, one, findings);
+        one.trace.whole = !frame.traceless;  // nothing is known of what nobody kept
+        try {
+            one.chunks = stored_chunks(database, id, static_cast<std::int64_t>(i + 1));
+            if (frame.traceless && !one.chunks.views.empty()) {
+                findings.differs("trace_chunk", "ticks", "none: the session kept none");
+            }
+        } catch (const TraceError& e) {
+            one.trace.whole = false;
+            findings.differs("trace_chunk", e.what(), "a chunk that can be read");
+        }
     }
     return intervals;
 }
@@ -327,7 +312,10 @@ std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
                                                    bool force,
                                                    Findings& findings) {
     std::vector<protocols::TrialSummary> felt;
-    if (!all_whole(intervals) || intervals.empty()) {
+    const auto is_whole = [](const CheckedInterval& one) {
+        return one.trace.whole;
+    };
+    if (!std::ranges::all_of(intervals, is_whole) || intervals.empty()) {
         return felt;  // said already, or nothing was begun
     }
     const auto period_ns = engine::tick_period_ns(frame.protocol.apparatus.rate_hz);
