@@ -51,7 +51,6 @@ private:
 }  // namespace
 
 TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[adaptive][law]") {
-    const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol());
     const char* edit = GENERATE(
         "UPDATE presentation SET stimulus = stimulus + 2 WHERE trial_id = 6 AND stimulus IS NOT "
@@ -61,7 +60,7 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[a
         "'x') WHERE trial_id = 4",
         "UPDATE adaptive_plan SET run_number = 1 - run_number WHERE plan_position = 4",
         "DELETE FROM adaptive_step WHERE trial_id = 5");
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto dying = [](protocols::Recorder& recorder) {
         return Killer(recorder, 50);
     };
@@ -77,11 +76,10 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[a
 
 TEST_CASE("a trial that does not count leaves the rule as it was, and its stimulus comes again",
           "[adaptive][law]") {
-    const TemporaryFolder folder;
     protocols::Protocol protocol = adaptive_protocol();
     protocol.invalid.path_min = 0.025;  // some hands are slower than that
     const data::SessionSpec spec = session_spec(protocol);
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     const std::int64_t invalid = count(database,
                                        "trial JOIN plan USING (session_id, plan_position) WHERE "
@@ -113,9 +111,8 @@ TEST_CASE("what a trial says of two intervals is of both together", "[adaptive][
 
 TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows",
           "[adaptive][law]") {
-    const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol());
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto dying = [](protocols::Recorder& recorder) {
         return Killer(recorder, 40);
     };

@@ -10,9 +10,9 @@ using namespace palpate::data;
 namespace {
 
 /// The lines of the first confusion matrix, word by word: the head, then a line for each object.
-std::vector<std::vector<std::string>> matrix_of(const std::string& summary) {
+std::vector<Words> matrix_of(const std::string& summary) {
     std::istringstream lines(summary.substr(summary.find("  felt")));
-    std::vector<std::vector<std::string>> matrix;
+    std::vector<Words> matrix;
     std::string line;
     while (std::getline(lines, line) && !line.empty()) {
         std::istringstream words(line);
@@ -22,7 +22,7 @@ std::vector<std::vector<std::string>> matrix_of(const std::string& summary) {
     return matrix;
 }
 
-int sum_of(const std::vector<std::vector<std::string>>& matrix) {
+int sum_of(const std::vector<Words>& matrix) {
     int sum = 0;
     for (std::size_t row = 1; row < matrix.size(); ++row) {
         for (std::size_t column = 1; column < matrix[row].size(); ++column) {
@@ -48,19 +48,18 @@ TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors", "[an
 
 TEST_CASE("the summary counts main trials of each kind apart, and says what is simulated",
           "[analysis]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("it's.sqlite"), Access::write);
+    const TemporaryFile file("it's.sqlite");
+    Database database(file, Access::write);
     CHECK_THAT(data::summary_text(database), Has("No main trial"));
     for (const data::RunKind kind : {data::RunKind::simulated, data::RunKind::real}) {
-        auto spec =
-            tests::session_spec(tests::small_protocol(), kind == data::RunKind::real ? "R1" : "S1");
+        auto spec = session_spec(small_protocol(), kind == data::RunKind::real ? "R1" : "S1");
         spec.kind = kind;
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (const auto& planned : spec.plan.trials) {  // the real one always says "convex"
             const std::size_t object = kind == data::RunKind::real ? 2 : planned.condition.object;
-            const auto id = tests::begin_trial(recorder, spec.protocol, planned);
-            recorder.end_trial(id, tests::answered(object, object == planned.condition.object));
+            const auto id = begin_trial(recorder, spec.protocol, planned);
+            recorder.end_trial(id, answered(object, object == planned.condition.object));
         }
     }
     const std::string text = data::summary_text(database);
@@ -77,17 +76,16 @@ TEST_CASE(
     "on",
     "[analysis][law]") {
     SEEDED(random, std::uint64_t{3});
-    tests::SmallSession session(tests::small_protocol(2));
+    SmallSession session(small_protocol(2));
     int answers = 0;
     for (const auto& planned : session.spec.plan.trials) {
         const auto object = random.index(3);
-        session.record(planned.position,
-                       tests::answered(object, object == planned.condition.object));
+        session.record(planned.position, answered(object, object == planned.condition.object));
         ++answers;
         const auto matrix = matrix_of(data::summary_text(session.database));
         CAPTURE(answers);
         REQUIRE(matrix.size() == 4);
-        CHECK(matrix[0] == std::vector<std::string>{"felt", "concave", "straight", "convex"});
+        CHECK(matrix[0] == Words{"felt", "concave", "straight", "convex"});
         for (std::size_t row = 1; row < matrix.size(); ++row) {
             CHECK(matrix[row].size() == 4);
             CHECK(matrix[row][0] == matrix[0][row]);
@@ -98,26 +96,22 @@ TEST_CASE(
 
 TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it",
           "[analysis]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("it's.sqlite");
+    const TemporaryFile file("it's.sqlite");
     Database database(file, Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
-                       tests::answered(1, false));
+    recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                       answered(1, false));
     const std::string text = data::example_queries(file);
-    int ran = 0;
-    for (std::size_t at = text.find("  sqlite3"); at != std::string::npos;
-         at = text.find("  sqlite3", at + 1)) {
-        const tests::Finished query =
-            tests::Process({"sh", "-c", text.substr(at, text.find('\n', at) - at)}).wait();
+    const Words queries = between(text, "  sqlite3", "\n");
+    CHECK(queries.size() == 2);
+    for (const std::string& words : queries) {
+        const Finished query = Process({"sh", "-c", "sqlite3" + words}).wait();
         CAPTURE(query.error);
         CHECK(query.code == 0);
-        CHECK(query.out.find("friction") != std::string::npos);
-        ++ran;
+        CHECK_THAT(query.out, Has("friction"));
     }
-    CHECK(ran == 2);
 }
 
 namespace {
@@ -172,11 +166,11 @@ TEST_CASE("a table without rows says nothing, one across stands on its side, one
     Table table = people();
     table.across = true;
     table.title.clear();
-    CHECK_THAT(table_text(table), palpate::tests::StartsWith("\n"
-                                                             "  person           A/1        A/1"
-                                                             "\n"
-                                                             "  friction    on - off  off - off"
-                                                             "\n"));
+    CHECK_THAT(table_text(table), StartsWith("\n"
+                                             "  person           A/1        A/1"
+                                             "\n"
+                                             "  friction    on - off  off - off"
+                                             "\n"));
     table.place = "list/-";
     Json all;
     put_table(all, table);

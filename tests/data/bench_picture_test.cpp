@@ -7,15 +7,7 @@ using bench::Row;
 
 namespace {
 
-std::size_t count_of(const std::string& text, const std::string& word) {
-    std::size_t count = 0;
-    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
-        ++count;
-    }
-    return count;
-}
-
-std::vector<Row> random_rows(tests::Random& random) {
+std::vector<Row> random_rows(Random& random) {
     std::vector<Row> rows;
     for (int panel = 0; panel < 1 + random.below(5); ++panel) {
         const bool ticks = random.below(3) == 0;
@@ -64,6 +56,6 @@ TEST_CASE("the picture in the documents is that of the table beside it", "[bench
     const std::string name = PALPATE_SOURCE_DIR "/tests/bench/results/amd-epyc.contact";
     std::ifstream table(name + ".csv");
     // Else: palpate bench contact --from amd-epyc.contact.csv --svg amd-epyc.contact.svg
-    const bool same = tests::slurp(name + ".svg") == bench::picture(bench::read_csv(table));
+    const bool same = slurp(name + ".svg") == bench::picture(bench::read_csv(table));
     CHECK(same);
 }

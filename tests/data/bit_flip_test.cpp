@@ -8,7 +8,7 @@ namespace {
 
 /// The bytes with one bit of them flipped.
 void write_flipped(const std::string& file, std::string bytes, std::uint64_t seed) {
-    tests::Random random(seed);
+    Random random(seed);
     auto& byte = bytes[random.index(bytes.size())];
     byte = static_cast<char>(byte ^ (1 << random.below(8)));
     std::ofstream(file, std::ios::binary) << bytes;
@@ -16,14 +16,14 @@ void write_flipped(const std::string& file, std::string bytes, std::uint64_t see
 
 /// Six trials of a fifth of a second, felt and answered by simulation.
 void record_small_session(const std::string& file) {
-    protocols::Protocol protocol = tests::small_protocol();
+    protocols::Protocol protocol = small_protocol();
     protocol.timing.explore_min = 0.1;
     protocol.timing.explore_prompt = 0.15;
     protocol.timing.explore_timeout = 0.2;
     protocol.invalid.contact_min = 0.0;
     protocol.invalid.path_min = 0.0;
     Database database(file, Access::write);
-    REQUIRE(tests::run_simulated(database, tests::session_spec(protocol)).why ==
+    REQUIRE(run_simulated(database, session_spec(protocol)).why ==
             protocols::SessionEnd::Why::finished);
 }
 
@@ -51,23 +51,23 @@ TEST_CASE(
         }
         return text;
     };
-    const std::string bytes = tests::slurp(file);
+    const std::string bytes = slurp(file);
     std::string before;
     std::string known;
     {
         Database database(file, Access::read);
         before = said(database);
-        known = tests::text_of(data::verify(database));  // made-up provenance
+        known = text_of(data::verify(database));  // made-up provenance
     }
     int wrong = 0;
     int noticed = 0;
     int harmless = 0;
     const std::string copy = folder.file("copy.sqlite");
-    for (std::uint64_t seed = 0; seed < tests::cases(150U); ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(150U); ++seed) {
         write_flipped(copy, bytes, seed);
         try {
             Database database(copy, Access::read);
-            const bool reported = tests::text_of(data::verify(database)) != known;
+            const bool reported = text_of(data::verify(database)) != known;
             noticed += reported ? 1 : 0;
             if (!reported && said(database) == before) {
                 ++harmless;
@@ -82,8 +82,8 @@ TEST_CASE(
     }
     CAPTURE(noticed, harmless);
     CHECK(wrong == 0);
-    CHECK(noticed + harmless == tests::cases(150));
-    CHECK(noticed > tests::cases(30));
+    CHECK(noticed + harmless == cases(150));
+    CHECK(noticed > cases(30));
     CHECK(harmless > 0);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     record_small_session(file);
-    const std::string bytes = tests::slurp(file);
+    const std::string bytes = slurp(file);
     const std::string queries[] = {
         "SELECT trial_id, interval, count(*), sum(tick), sum(time_s), sum(count_1 - 3 * code_1), "
         "sum(count_2 - 3 * code_2), sum(commanded_x_n), sum(commanded_y_n), sum(flags), "
@@ -108,16 +108,16 @@ TEST_CASE(
         "SELECT sum(hip_x_m), sum(rendered_normal_n) FROM sample WHERE trial_id = 4 AND time_s > "
         "0.1"};
     const auto say = [&](const std::string& of, std::size_t i) {
-        tests::Opened database(of);
-        return tests::sql_rows(database, queries[i]);
+        Opened database(of);
+        return sql_rows(database, queries[i]);
     };
-    std::vector<std::vector<tests::SampleRow>> before;
+    std::vector<std::vector<SampleRow>> before;
     for (std::size_t i = 0; i < std::size(queries); ++i) {
         before.push_back(say(file, i));
     }
     int refused = 0;
     const std::string copy = folder.file("copy.sqlite");
-    for (std::uint64_t seed = 0; seed < tests::cases(100U); ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(100U); ++seed) {
         write_flipped(copy, bytes, seed);
         for (std::size_t i = 0; i < std::size(queries); ++i) {
             try {
@@ -129,5 +129,5 @@ TEST_CASE(
             }
         }
     }
-    CHECK(refused > tests::cases(10));
+    CHECK(refused > cases(10));
 }

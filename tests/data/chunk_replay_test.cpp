@@ -62,7 +62,7 @@ bool same_contact(const TickRecord& a, const TickRecord& b) {
 
 /// The same ticks again in chunks of other sizes, 1 to `max` ticks each.
 struct Cut {
-    Cut(std::span<const TickRecord> ticks, std::size_t max, tests::Random& random) {
+    Cut(std::span<const TickRecord> ticks, std::size_t max, Random& random) {
         for (std::size_t first = 0; first < ticks.size();) {
             const std::size_t count = std::min(ticks.size() - first, 1 + random.index(max));
             const auto part = std::span(ticks).subspan(first, count);
@@ -88,8 +88,8 @@ struct Cut {
 
 TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded study",
           "[replay][trace][law]") {
-    data::Database database(tests::demo_file(), data::Access::read);
-    tests::Random random(5);
+    data::Database database(demo_file(), data::Access::read);
+    Random random(5);
     std::size_t checked = 0;
     for (std::int64_t trial = 1; trial <= 10; ++trial) {
         const Recorded recorded(database, trial);
@@ -117,7 +117,7 @@ TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded st
 TEST_CASE(
     "the sizes of chunks, the order in which they are asked for and an early end change no bit",
     "[replay][trace][law]") {
-    data::Database database(tests::demo_file(), data::Access::read);
+    data::Database database(demo_file(), data::Access::read);
     SEEDED(random, std::uint64_t{12});
     const Recorded recorded(database, 1 + random.below(10));
     const data::Ticks ticks =
@@ -137,7 +137,7 @@ TEST_CASE(
 
 TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given",
           "[replay][trace][law]") {
-    data::Database database(tests::demo_file(), data::Access::read);
+    data::Database database(demo_file(), data::Access::read);
     SEEDED(random, std::uint64_t{6});
     const Recorded recorded(database, 2);
     const data::Ticks ticks =
@@ -159,9 +159,9 @@ TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is 
 
 TEST_CASE("HIP that is not where three counts say is found, unless the device gave no place",
           "[trace][gantry][law]") {
-    const engine::Gantry gantry(*tests::gantry_machine().gantry);
+    const engine::Gantry gantry(*gantry_machine().gantry);
     SEED(40U);
-    tests::Random random(seed);
+    Random random(seed);
     data::StoredTrace trace;
     std::int64_t wrong = 0;
     std::int64_t first = -1;

@@ -249,36 +249,29 @@ TEST_CASE(
     }
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
-    const Finished bits =
-        Process({"python3", "-c",
-                 "import csv, gzip, struct, sys\n"
-                 "names = ['hip_x_m', 'hip_y_m', 'rendered_x_n', 'rendered_y_n', 'u']\n"
-                 "with open(sys.argv[2], 'wb') as out:\n"
-                 "    for t in csv.DictReader(gzip.open(sys.argv[1], 'rt')):\n"
-                 "        out.write(struct.pack('<5d', *(float(t[n]) for n in names)))\n",
-                 ticks, by_python})
-            .wait();
-    CAPTURE(bits.error);
-    REQUIRE(bits.code == 0);
+    ended(Process({"python3", "-c",
+                   "import csv, gzip, struct, sys\n"
+                   "names = ['hip_x_m', 'hip_y_m', 'rendered_x_n', 'rendered_y_n', 'u']\n"
+                   "with open(sys.argv[2], 'wb') as out:\n"
+                   "    for t in csv.DictReader(gzip.open(sys.argv[1], 'rt')):\n"
+                   "        out.write(struct.pack('<5d', *(float(t[n]) for n in names)))\n",
+                   ticks, by_python})
+              .wait());
     CHECK(slurp(by_r).size() > 100'000);
     CHECK((slurp(by_r) == slurp(by_python)));
 }
 
 TEST_CASE("a BIDS export has what the standard requires of each file", "[export][law]") {
     const ExportSummary exported("bids");
-    const Finished python = Process({"python3", "-c", test_text("scripts/bids.py"), exported.file,
-                                     exported.out.string()})
-                                .wait();
-    CAPTURE(python.error);
-    CHECK(python.code == 0);
+    ended(Process(
+              {"python3", "-c", test_text("scripts/bids.py"), exported.file, exported.out.string()})
+              .wait());
 }
 
 TEST_CASE("a Psych-DS export describes every column of its data", "[export][law]") {
     const ExportSummary exported("psych-ds");
-    const Finished python =
-        Process({"python3", "-c", test_text("scripts/psych_ds.py"), exported.out.string()}).wait();
-    CAPTURE(python.error);
-    CHECK(python.code == 0);
+    ended(
+        Process({"python3", "-c", test_text("scripts/psych_ds.py"), exported.out.string()}).wait());
 }
 
 TEST_CASE("Parquet without DuckDB is one sentence with the remedy, and nothing is made",

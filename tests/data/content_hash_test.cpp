@@ -6,11 +6,11 @@ using namespace palpate::data;
 
 namespace {
 
-struct Filled : tests::SmallSession {
+struct Filled : SmallSession {
     Filled() {
         for (const auto& planned : spec.plan.trials) {
-            record(planned.position, tests::answered(0, planned.condition.object == 0, 4500),
-                   tests::random_ticks(planned.position, 4500));
+            record(planned.position, answered(0, planned.condition.object == 0, 4500),
+                   random_ticks(planned.position, 4500));
         }
         recorder.event({.text = "a test"});
         recorder.finish_session();
@@ -23,23 +23,23 @@ TEST_CASE("two equal sessions have one hash, whatever the clock and the machine'
           "[store][law]") {
     Filled a;
     Filled b;
-    CHECK(tests::content_hash(a.database) == tests::content_hash(b.database));
+    CHECK(content_hash(a.database) == content_hash(b.database));
     a.database.execute(
         "UPDATE trial SET started_utc = 'yesterday'; UPDATE session_provenance SET value = 'x'; "
         "VACUUM");
-    CHECK(tests::content_hash(a.database) == tests::content_hash(b.database));
+    CHECK(content_hash(a.database) == content_hash(b.database));
 }
 
 TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     Filled filled;
     Database& database = filled.database;
-    const std::string before = tests::content_hash(database);
-    for (const std::string& sql : tests::lines_in(tests::test_text("edits/hashed.sql"))) {
+    const std::string before = content_hash(database);
+    for (const std::string& sql : lines_in(test_text("edits/hashed.sql"))) {
         CAPTURE(sql);
         database.execute("SAVEPOINT edit");
         database.execute(sql.c_str());
-        CHECK(tests::content_hash(database) != before);
+        CHECK(content_hash(database) != before);
         database.execute("ROLLBACK TO edit; RELEASE edit");
     }
-    CHECK(tests::content_hash(database) == before);
+    CHECK(content_hash(database) == before);
 }

@@ -20,7 +20,7 @@ std::vector<std::size_t> open(data::Database& database,
                               const std::string& participant,
                               data::RunKind kind,
                               std::size_t number = 1) {
-    data::SessionSpec spec = tests::session_spec(protocol, participant, number);
+    data::SessionSpec spec = session_spec(protocol, participant, number);
     spec.kind = kind;
     begin(database, data::plan_and_open_session(database, spec).id);
     return spec.plan.picture_order;
@@ -31,7 +31,7 @@ std::vector<std::size_t> open(data::Database& database,
 TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not",
           "[store][law]") {
     NewDatabase database;
-    const protocols::Protocol protocol = tests::small_protocol();
+    const protocols::Protocol protocol = small_protocol();
     const std::size_t rows = picture_rows(protocol).size();
     REQUIRE(rows == 6);
     for (int i = 0; i < 8; ++i) {
@@ -52,7 +52,7 @@ TEST_CASE("those who really ran decide the next row of pictures, simulated ones 
 TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
           "[store][law]") {
     NewDatabase database;
-    const protocols::Protocol protocol = tests::small_protocol();
+    const protocols::Protocol protocol = small_protocol();
     const auto first = open(database, protocol, "R0", data::RunKind::real);
     for (int i = 1; i < 12; ++i) {
         open(database, protocol, fmt::format("R{}", i), data::RunKind::real);
@@ -72,7 +72,7 @@ std::size_t open_blocks(data::Database& database,
                         const std::string& participant,
                         data::RunKind kind,
                         std::size_t number = 1) {
-    data::SessionSpec spec = tests::session_spec(tests::small_protocol(), participant, number);
+    data::SessionSpec spec = session_spec(small_protocol(), participant, number);
     spec.protocol = protocol;
     spec.protocol_hash = protocols::protocol_hash(protocol);
     spec.kind = kind;
@@ -86,7 +86,7 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
           "[store][friction_blocks][law]") {
     SEED(std::uint64_t{6});
     NewDatabase database;
-    protocols::Protocol protocol = tests::small_protocol(2);
+    protocols::Protocol protocol = small_protocol(2);
     protocol.seed = seed;
     // An older version of the study, in which the frictions were mixed, counts for nothing.
     open(database, protocol, "OLD", data::RunKind::real);
@@ -110,10 +110,10 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
           "[store][law]") {
     SEED(std::uint64_t{8});
     NewDatabase database;
-    protocols::Protocol protocol = tests::small_protocol();
+    protocols::Protocol protocol = small_protocol();
     protocol.seed = seed;
     const std::size_t rows = picture_rows(protocol).size();
-    data::SessionSpec spec = tests::session_spec(protocol, "LEFT");
+    data::SessionSpec spec = session_spec(protocol, "LEFT");
     spec.kind = data::RunKind::real;
     {
         const auto opened = data::plan_and_open_session(database, spec);
@@ -135,7 +135,7 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
     CHECK(orders.size() == rows);
     // With other words too: nobody has felt anything of it yet.
-    data::SessionSpec other = tests::session_spec(protocol, "AGAIN");
+    data::SessionSpec other = session_spec(protocol, "AGAIN");
     static_cast<void>(data::plan_and_open_session(database, other));
     other.kind = data::RunKind::pilot;
     other.seed += 1;
@@ -158,7 +158,7 @@ namespace {
 /// A study's file as histories grow it, and who has which row by the rules alone.
 struct GrownFile {
     NewDatabase database{};
-    protocols::Protocol protocol = tests::small_protocol();
+    protocols::Protocol protocol = small_protocol();
     /// Of each person, in the order of sessions.
     std::map<std::string, std::vector<std::vector<std::size_t>>> orders{};
     std::map<std::string, std::vector<std::size_t>> rows{};  ///< of those who really ran

@@ -12,8 +12,7 @@
 using namespace palpate::data;
 
 TEST_CASE("a new database says whose it is, and only its owner may read it", "[store]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     {
         Database database(file, Access::write);
         auto id = database.first(
@@ -56,17 +55,15 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
     const std::string why =
         version == 0 ? "not a palpate database" : fmt::format("schema {}", version);
     CHECK_THROWS_WITH(Database(file, Access::write), Has(why));
-    for (const std::vector<std::string>& words :
-         {run_words("shape_friction", "P1", file, {"--headless"}),
-          {"summary", file},
-          {"verify", file},
-          {"sql", file, "-c", "SELECT 1"},
-          {"note", file, "x", "--participant", "P1"},
-          {"merge", folder.file("all.sqlite"), file},
-          {"export", file, "--format", "csv", "-o", folder.file("out")}}) {
+    for (const Words& words : {run_words("shape_friction", "P1", file, {"--headless"}),
+                               {"summary", file},
+                               {"verify", file},
+                               {"sql", file, "-c", "SELECT 1"},
+                               {"note", file, "x", "--participant", "P1"},
+                               {"merge", folder.file("all.sqlite"), file},
+                               {"export", file, "--format", "csv", "-o", folder.file("out")}}) {
         CAPTURE(words.front());
-        const Finished refused = ran(words, 2);
-        CHECK_THAT(refused.error, Has(why));
+        CHECK_THAT(ran(words, 2).error, Has(why));
     }
     CHECK(slurp(file) == before);
     for (const std::string& name : folder.names()) {
@@ -164,7 +161,7 @@ int at_once(int programs, const Work& work) {
     for (int i = 0; i < programs; ++i) {
         const pid_t child = fork();
         if (child == 0) {
-            tests::die_with(test);
+            die_with(test);
             close(gate[1]);
             char opened = 0;
             static_cast<void>(!read(gate[0], &opened, 1));  // until the parent closes its end
@@ -200,12 +197,11 @@ TEST_CASE("programs that make one database at the same time all get it", "[store
     constexpr int kRounds = 8;
     for (int round = 0; round < kRounds; ++round) {
         CAPTURE(round);
-        const TemporaryFolder folder;
-        const std::string file = folder.file("a.sqlite");
+        const TemporaryFile file("a.sqlite");
         REQUIRE(at_once(kPrograms, [&](int i) {
                     Database database(file, Access::write);
-                    const auto spec = tests::session_spec(
-                        tests::small_protocol(), std::string("P").append(std::to_string(i)));
+                    const auto spec =
+                        session_spec(small_protocol(), std::string("P").append(std::to_string(i)));
                     static_cast<void>(data::open_session(database, spec));
                 }) == kPrograms);
         Database database(file, Access::read);
@@ -219,17 +215,15 @@ TEST_CASE(
     "[store][law]") {
     constexpr int kRounds = 8;
     constexpr const char* kSessions = "SELECT count(*) FROM session";
-    const protocols::Protocol protocol = tests::small_protocol();
+    const protocols::Protocol protocol = small_protocol();
     const auto rigs = static_cast<int>(picture_rows(protocol).size());
     for (int round = 0; round < kRounds; ++round) {
         CAPTURE(round);
-        const TemporaryFolder folder;
-        const std::string file = folder.file("a.sqlite");
+        const TemporaryFile file("a.sqlite");
         Database database(file, Access::write);
         REQUIRE(at_once(rigs, [&](int i) {
                     Database rig(file, Access::write);
-                    auto spec =
-                        tests::session_spec(protocol, std::string("P").append(std::to_string(i)));
+                    auto spec = session_spec(protocol, std::string("P").append(std::to_string(i)));
                     spec.kind = data::RunKind::real;
                     const auto opened = data::plan_and_open_session(rig, spec);
                     // Whoever leaves before the first trial gives the row back: all stay.
@@ -245,8 +239,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a row is written by the names of its columns, and no other name", "[store]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     data::Row("participant").set("participant_code", "P1").set("subject", 7).insert(database);
     CHECK_THROWS_WITH(data::Row("participant").set("mood", "calm"),
                       Has("no column participant.mood"));

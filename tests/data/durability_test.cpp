@@ -55,12 +55,12 @@ private:
     const auto opened = data::open_session(database, spec);
     Telling disk(database, spec.protocol, opened.id, pipe);
     data::AsyncRecorder recorder(disk);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[opened.next]);
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[opened.next]);
     const auto start = std::chrono::steady_clock::now();
     for (std::int64_t tick = 0; tick < 8192; ++tick) {
         std::this_thread::sleep_until(start + tick * 1ms);
         disk.hands(tick);
-        recorder.append(id, tests::random_ticks(1, 1, tick));
+        recorder.append(id, random_ticks(1, 1, tick));
     }
     _exit(0);
 }
@@ -72,7 +72,7 @@ std::vector<Saved> record_and_kill(const std::string& file,
                                    std::chrono::milliseconds later) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
-    const pid_t child = tests::in_a_child([&] {
+    const pid_t child = in_a_child([&] {
         close(ends[0]);
         record_in_real_time(file, spec, ends[1]);
     });
@@ -109,9 +109,8 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
 TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old",
           "[store][law]") {
     SEEDED(random, std::uint64_t{6});
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const TemporaryFile file("a.sqlite");
+    const auto spec = session_spec(small_protocol());
     const std::vector<Saved> said =
         record_and_kill(file, spec, 12, std::chrono::milliseconds(random.below(100)));
     REQUIRE(said.size() >= 12);
@@ -123,13 +122,11 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     const auto opened = data::open_session(database, spec);
     CHECK(opened.interrupted == 1);
     CHECK(opened.next == 0);
-    auto trial = database.prepare("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
-    REQUIRE(trial.step());
+    auto trial = database.first("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
     const auto ticks = data::TraceReader(database).stored(trial.integer(0));
     CHECK(static_cast<std::int64_t>(ticks.size()) >= said.back().ticks);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-        REQUIRE(
-            tests::same_bits(ticks[i], tests::random_ticks(1, 1, static_cast<std::int64_t>(i))[0]));
+        REQUIRE(same_bits(ticks[i], random_ticks(1, 1, static_cast<std::int64_t>(i))[0]));
     }
     // A busy machine lets the writer wait for its turn, and only ever adds to the age: the least
     // disturbed save shows what the writer does of itself.
@@ -139,12 +136,11 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
 }
 
 TEST_CASE("a lock of another program keeps no tick and no answer back for good", "[store][law]") {
-    tests::SmallSession session;
+    SmallSession session;
     const std::string file = session.folder.file("a.sqlite");
     data::AsyncRecorder recorder(session.recorder, 5ms);
-    const auto id =
-        tests::begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
-    const auto ticks = tests::random_ticks(1, 9000);
+    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
+    const auto ticks = random_ticks(1, 9000);
     Database analyst(file, Access::write);
     analyst.execute("BEGIN IMMEDIATE");
     for (std::size_t i = 0; i < ticks.size(); i += 100) {
@@ -155,26 +151,25 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
         std::this_thread::sleep_for(300ms);
         analyst.execute("COMMIT");
     });
-    recorder.end_trial(id, tests::answered(0, true, 9000));
+    recorder.end_trial(id, answered(0, true, 9000));
     ends.join();
     const auto stored = data::TraceReader(session.database).read(id);
     REQUIRE(stored.size() == ticks.size());
-    CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), tests::same_bits));
+    CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), same_bits));
     auto row = analyst.first("SELECT count(*) FROM response");
     CHECK(row.integer(0) == 1);
 }
 
 TEST_CASE("ticks that come slowly are saved by the clock, not by their number", "[store][law]") {
-    tests::SmallSession session;
+    SmallSession session;
     const std::string file = session.folder.file("a.sqlite");
     data::AsyncRecorder recorder(session.recorder, 5ms);
-    const auto id =
-        tests::begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
+    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
     for (std::int64_t tick = 0; tick < 5; ++tick) {
-        recorder.append(id, tests::random_ticks(1, 1, tick));
+        recorder.append(id, random_ticks(1, 1, tick));
         wait_for_ticks(file, tick + 1);  // nothing else is appended
     }
-    recorder.end_trial(id, tests::answered(0, true, 5));
+    recorder.end_trial(id, answered(0, true, 5));
     CHECK(data::TraceReader(session.database).read(id).size() == 5);
 }
 
@@ -193,7 +188,7 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const Database database(file, Access::write);
-    auto protocol = tests::small_protocol();
+    auto protocol = small_protocol();
     CHECK_NOTHROW(data::require_space(file, protocol, 1));
     CHECK(data::bytes_needed(protocol, 10) >
           static_cast<std::int64_t>(10 * protocol.timing.explore_timeout *
@@ -213,12 +208,12 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
 
 TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",
           "[store][chain][law]") {
-    tests::SmallSession small;
+    SmallSession small;
     Database& database = small.database;
     const std::int64_t session = small.id;
     for (const auto& planned : small.spec.plan.trials) {
-        small.record(planned.position, tests::answered(0, planned.condition.object == 0, 50),
-                     tests::random_ticks(planned.position, 50));
+        small.record(planned.position, answered(0, planned.condition.object == 0, 50),
+                     random_ticks(planned.position, 50));
         small.recorder.event({.text = "after it"});
     }
     small.recorder.finish_session();
@@ -229,7 +224,7 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     CHECK(head != finished);
     CHECK(data::chain_head(database, session) == head);
     CHECK(data::chain_breaks(database, session).empty());
-    for (const std::string& edit : tests::lines_in(tests::test_text("edits/evident.sql"))) {
+    for (const std::string& edit : lines_in(test_text("edits/evident.sql"))) {
         CAPTURE(edit);
         database.execute("PRAGMA foreign_keys = OFF; BEGIN");
         database.execute(edit.c_str());
@@ -251,7 +246,7 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
 namespace {
 
 /// A disk that fails once, and would take everything after it.
-class DiskWithHiccup : public tests::NoRecorder {
+class DiskWithHiccup : public NoRecorder {
 public:
     explicit DiskWithHiccup(int failing) : failing_(failing) {}
     protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {
@@ -286,7 +281,7 @@ constexpr std::int64_t kPart = 1000;  ///< ticks that are not kept to be handed 
 bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
     try {
         for (std::int64_t i = 0; i < parts; ++i) {
-            recorder.append(1, tests::random_ticks(1, kPart, i * kPart));
+            recorder.append(1, random_ticks(1, kPart, i * kPart));
         }
     } catch (const data::StoreError&) {
         return true;
@@ -307,8 +302,8 @@ TEST_CASE("after one lost append nothing is stored any more, and every call says
         const bool refused = append_all(recorder, kParts);
         CAPTURE(refused);
         const std::function<void()> calls[] = {
-            [&] { recorder.end_trial(id, tests::answered(0, true)); },
-            [&] { recorder.append(id, tests::random_ticks(1, 10, kParts * kPart)); },
+            [&] { recorder.end_trial(id, answered(0, true)); },
+            [&] { recorder.append(id, random_ticks(1, 10, kParts * kPart)); },
             [&] { recorder.event({.text = "somebody noted it"}); },
             [&] { static_cast<void>(recorder.begin_trial({})); },
             [&] {

@@ -6,7 +6,7 @@
 namespace {
 
 protocols::Protocol study() {
-    protocols::Protocol protocol = tests::small_protocol(4);
+    protocols::Protocol protocol = small_protocol(4);
     protocol.objects.push_back({.name = "low", .curvature = -20.0, .pictured = false});
     protocol.objects.push_back({.name = "high", .curvature = 20.0, .pictured = false});
     protocol.design.catch_trials = 4;
@@ -37,7 +37,7 @@ void run(data::Database& database,
          const std::string& code,
          const Habits& habits,
          data::RunKind kind = data::RunKind::real) {
-    auto spec = tests::session_spec(protocol, code);
+    auto spec = session_spec(protocol, code);
     spec.kind = kind;
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
@@ -48,19 +48,19 @@ void run(data::Database& database,
         if (planned.phase == protocols::Phase::catch_trial) {
             const std::size_t right = felt == 3 ? 0 : 2;  // concave is place 0, convex 2
             const std::size_t said = due(catches++, habits.catches) ? right : 1;
-            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned),
-                               tests::answered(said, false));
+            recorder.end_trial(begin_trial(recorder, spec.protocol, planned),
+                               answered(said, false));
             continue;
         }
         const bool right = due(main, habits.correct);
-        auto result = tests::answered(right ? felt : (felt + 1) % 3, right);
+        auto result = answered(right ? felt : (felt + 1) % 3, right);
         if (due(main, habits.timed_out)) {
             result.outcome = protocols::Outcome::timed_out;
         }
         if (due(main, habits.invalid)) {
             result.invalid = "short_contact";
         }
-        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned), result);
+        recorder.end_trial(begin_trial(recorder, spec.protocol, planned), result);
         ++main;
     }
     if (habits.finishes) {
@@ -68,8 +68,8 @@ void run(data::Database& database,
     }
 }
 
-std::vector<std::string> rules_of(const data::Exclusions& exclusions, const std::string& code) {
-    std::vector<std::string> rules;
+Words rules_of(const data::Exclusions& exclusions, const std::string& code) {
+    Words rules;
     for (const data::Judgement& one : exclusions.all) {
         for (const std::string& rule : one.broken) {
             if (one.participant == code) {

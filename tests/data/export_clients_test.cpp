@@ -62,11 +62,10 @@ struct AwkwardLab {
     }
 
     /// @return the folder
-    fs::path exported(const std::string& format, const std::vector<std::string>& words) {
+    fs::path exported(const std::string& format, const Words& words) {
         const fs::path out = folder.path() / format;
-        std::vector<std::string> command{"export", file,  "--format", format,
-                                         "--kind", "all", "-o",       out.string()};
-        command.insert(command.end(), words.begin(), words.end());
+        const Words command = joined(
+            {"export", file, "--format", format, "--kind", "all", "-o", out.string()}, words);
         ran(command);
         return out;
     }
@@ -79,7 +78,7 @@ private:
         std::ofstream(folder.file(name), std::ios::binary) << text;
         return folder.file(name);
     }
-    void note(const std::vector<std::string>& command) { ran(command); }
+    void note(const Words& command) { ran(command); }
 };
 
 /// What recount.py prints, by SQL from the file itself.

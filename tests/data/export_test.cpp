@@ -209,8 +209,9 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
         Database database(file, Access::write);
         static_cast<void>(data::open_session(database, session_spec(small_protocol())));
     }
-    const Finished refused = ran(
-        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")}, 2);
-    CHECK_THAT(refused.error, Has("no session"));
+    CHECK_THAT(
+        ran({"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")}, 2)
+            .error,
+        Has("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
 }

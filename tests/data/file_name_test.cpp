@@ -3,7 +3,6 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate::data;
 
@@ -62,17 +61,16 @@ TEST_CASE("somebody's database with a log beside it is refused, and both stay by
     const bool checkpointed = GENERATE(true, false);
     const Access access = GENERATE(Access::write, Access::read);
     CAPTURE(checkpointed, access == Access::write);
-    const TemporaryFolder folder;
-    const std::string file = folder.file("theirs.sqlite");
+    const TemporaryFile file("theirs.sqlite");
     make_foreign(file, checkpointed);
-    const std::string data = tests::slurp(file);
-    const std::string log = tests::slurp(file + "-wal");
+    const std::string data = slurp(file);
+    const std::string log = slurp(file + "-wal");
     REQUIRE_FALSE(log.empty());
 
     CHECK_THROWS_WITH(Database(file, access), Has("theirs.sqlite", "not a palpate database"));
 
-    CHECK(tests::slurp(file) == data);
-    CHECK(tests::slurp(file + "-wal") == log);
+    CHECK(slurp(file) == data);
+    CHECK(slurp(file + "-wal") == log);
     CHECK(rows_of(file) == 3);
 }
 
@@ -84,9 +82,9 @@ TEST_CASE("a file of somebody's is refused and stays, however small it is", "[st
         const std::string text(size, 'x');
         std::ofstream(file, std::ios::trunc) << text;
         CHECK_THROWS_WITH(Database(file, Access::write), Has("not a palpate database"));
-        CHECK(tests::slurp(file) == text);
+        CHECK(slurp(file) == text);
     }
-    CHECK(folder.names() == std::vector<std::string>{"note"});
+    CHECK(folder.names() == Words{"note"});
 }
 
 TEST_CASE("a database has the name it was given, whatever that name means to SQLite",
@@ -101,10 +99,9 @@ TEST_CASE("a database has the name it was given, whatever that name means to SQL
         Database database(name, Access::write);
         database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     }
-    CHECK(folder.names() == std::vector<std::string>{name});
+    CHECK(folder.names() == Words{name});
     Database again(name, Access::read);
-    auto row = again.prepare("SELECT participant_code FROM participant");
-    REQUIRE(row.step());
+    auto row = again.first("SELECT participant_code FROM participant");
     CHECK(row.text(0) == "P1");
 }
 

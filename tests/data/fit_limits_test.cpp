@@ -348,11 +348,10 @@ TEST_CASE(
 }
 
 TEST_CASE("answers that are none are refused with value and remedy", "[fit]") {
-    using Catch::Matchers::Contains;
     const std::vector<Level> good{{1, 10, 2}, {2, 10, 8}};
     const auto refused = [&](const std::vector<Level>& levels, const CurveSpec& spec,
                              const char* why) {
-        CHECK_THROWS_WITH(CurveModel(levels, spec), Contains(why));
+        CHECK_THROWS_WITH(CurveModel(levels, spec), Has(why));
     };
     refused({}, {}, "no stimulus");
     refused({{1, 10, 2}, {1, 10, 3}}, {}, "two different ones");

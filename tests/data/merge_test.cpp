@@ -25,7 +25,7 @@ std::string content_of(const std::string& file) {
     return all;
 }
 
-void shuffle(std::vector<std::string>& files, Random& random) {
+void shuffle(Words& files, Random& random) {
     for (std::size_t i = files.size(); i > 1; --i) {
         std::swap(files[i - 1], files[random.index(i)]);
     }
@@ -43,7 +43,7 @@ TEST_CASE(
     REQUIRE(data::merge_files(whole, world.last).conflicts.empty());
     const std::string expected = content_of(whole);
 
-    std::vector<std::string> some = world.files;
+    Words some = world.files;
     shuffle(some, world.random);
     const std::string once = world.folder.file("once.sqlite");
     const MergeReport all = data::merge_files(once, some);
@@ -149,10 +149,9 @@ TEST_CASE(
     CHECK_THAT(report.conflicts[0].what, Has("P01"));
     CHECK(report.added == 1);
     Database database(out, Access::read);
-    auto row = database.prepare(
+    auto row = database.first(
         "SELECT group_concat(participant_code) FROM session JOIN participant USING "
         "(participant_id)");
-    REQUIRE(row.step());
     CHECK(row.text(0) == "P07");
 }
 
@@ -283,6 +282,6 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
     run("P3", "b.sqlite");
     ran({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"});
     const std::string out = folder.file("out.sqlite");
-    const Finished merged = ran({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
+    ran({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
     CHECK_THAT(ran({"verify", out}).out, Has("3 sessions"));
 }

@@ -95,7 +95,7 @@ TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is
 }
 
 TEST_CASE("where people do not differ the likelihood is that of coins", "[inference][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
+    const auto seed = GENERATE(seeds(20U));
     std::mt19937_64 random(seed);
     const People people = drawn_people(random, 5, 30, 0.3, 0.5, 0.5);
     double wanted = 0.0;

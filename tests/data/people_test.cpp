@@ -106,8 +106,7 @@ TEST_CASE("what is noted of a participant stays until it is noted otherwise", "[
 
 TEST_CASE("participant, note and mark work from the command line and refuse with a sentence",
           "[people][cli]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     const Finished unknown = palpate_command({"participant", file, "P1"});
     CHECK(unknown.code != 0);
     CHECK(palpate_command({"note", file, "text", "--participant", "P1"}).code != 0);
@@ -147,8 +146,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     }
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
                Has("other and in small: give --study"));
-    CHECK(palpate_command({"note", file, " ", "--participant", "P1", "--study", "small"}).code ==
-          2);
+    ran({"note", file, " ", "--participant", "P1", "--study", "small"}, 2);
     CHECK_THAT(
         palpate_command({"note", file, "tired", "--participant", "P1", "--study", "small"}).out,
         Has("session 2 of P1, study small"));
@@ -202,8 +200,7 @@ TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 ha
 }
 
 TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     ran({"demo", "--headless", "--db", file});
     Database database(file, Access::read);
     const auto noted = [&] {
@@ -213,10 +210,9 @@ TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]
     const std::string before = noted();
     const std::string code = lines(database, "SELECT participant_code FROM participant");
     const std::string who = code.substr(0, code.find(' '));
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"note", file, "caf\xE9", "--participant", who},
-          {"mark", file, "1", "--invalid", "\xFF"},
-          {"participant", file, who, "--set", "name=Ren\xE9"}}) {
+    for (const Words& words : {Words{"note", file, "caf\xE9", "--participant", who},
+                               {"mark", file, "1", "--invalid", "\xFF"},
+                               {"participant", file, who, "--set", "name=Ren\xE9"}}) {
         CHECK_THAT(ran(words, 2).error, Has("UTF-8"));
     }
     CHECK(noted() == before);
@@ -351,7 +347,7 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
 
 TEST_CASE("the area of confidence is the share of pairs, ties half, counted one by one",
           "[inference][law]") {
-    std::mt19937 random(GENERATE(palpate::tests::seeds(30U)));
+    std::mt19937 random(GENERATE(seeds(30U)));
     const auto levels = [&] {
         std::vector<double> all(1 + random() % 20);
         for (double& one : all) {
@@ -375,7 +371,7 @@ TEST_CASE("the area of confidence is the share of pairs, ties half, counted one 
 
 TEST_CASE("a trend gives back the slopes of a plane, and leaves out what it cannot tell apart",
           "[inference][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
+    const auto seed = GENERATE(seeds(20U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     const auto [a, b, c] = std::array{uniform(random), uniform(random), uniform(random)};

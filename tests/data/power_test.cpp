@@ -22,8 +22,7 @@ struct Closed {
 
     [[nodiscard]] PowerPeople people(std::uint64_t seed = 1) const {
         return [*this, seed](std::size_t study, std::size_t number) {
-            tests::Random random(
-                static_cast<std::uint32_t>(seed * 7'000'003 + study * 211 + number));
+            Random random(static_cast<std::uint32_t>(seed * 7'000'003 + study * 211 + number));
             double normal = -6.0;
             for (int i = 0; i < 12; ++i) {
                 normal += random.in(0.0, 1.0);

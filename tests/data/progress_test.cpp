@@ -1,6 +1,5 @@
 #include "data/store/people.hpp"
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
 using namespace palpate::data;
@@ -9,9 +8,9 @@ using namespace palpate::protocols;
 namespace {
 
 /// Answers at random, marks, pauses, breaks off, and comes back.
-class Fickle : public tests::Patient {
+class Fickle : public Patient {
 public:
-    Fickle(tests::Random& random, OperatorDesk& desk) : random_(random), desk_(desk) {}
+    Fickle(Random& random, OperatorDesk& desk) : random_(random), desk_(desk) {}
 
     Signal ready(const TrialView& trial) override {
         maybe();
@@ -35,7 +34,7 @@ private:
             desk_.pause();
         }
     }
-    tests::Random& random_;
+    Random& random_;
     OperatorDesk& desk_;
 };
 
@@ -119,8 +118,8 @@ void check_same(const SessionProgress& known,
 /// @return whether it is finished
 bool sit(Database& database,
          data::SessionSpec spec,
-         tests::World& world,
-         tests::Random& random,
+         World& world,
+         Random& random,
          std::vector<Instant>& moments) {
     constexpr data::Resume kHow[] = {data::Resume::go_on, data::Resume::go_on,
                                      data::Resume::redo_block, data::Resume::redo_practice};
@@ -135,7 +134,7 @@ bool sit(Database& database,
         return true;
     }
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    tests::FaultyApparatus apparatus(world);
+    FaultyApparatus apparatus(world);
     OperatorDesk desk;
     Fickle observer(random, desk);
     int left = random.below(12);  // then the program is killed
@@ -154,24 +153,23 @@ bool sit(Database& database,
                              spec.plan.trials[progress.known.pending().empty()
                                                   ? 0
                                                   : progress.known.pending().next()]));
-                         throw tests::Killed{};
+                         throw Killed{};
                      }
                  },
              .pause = [](double) {},
              .desk = &desk});
         return end.why == SessionEnd::Why::finished;
-    } catch (const tests::Killed&) {
+    } catch (const Killed&) {
         return false;
     }
 }
 
 Protocol protocol_of(int design) {
     if (design == 0) {
-        return tests::short_protocol();
+        return short_protocol();
     }
-    Protocol protocol =
-        tests::adaptive_protocol(design == 1 ? tests::kQuestPlusRule : tests::kStaircaseRule,
-                                 design == 1 ? "two_interval" : "yes_no");
+    Protocol protocol = adaptive_protocol(design == 1 ? kQuestPlusRule : kStaircaseRule,
+                                          design == 1 ? "two_interval" : "yes_no");
     protocol.timing.explore_min = 0.0;
     protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
     return protocol;
@@ -186,12 +184,11 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
     std::size_t looked = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         CAPTURE(design, seed);
-        const tests::TemporaryFolder folder;
-        Database database(folder.file("a.sqlite"), Access::write);
+        NewDatabase database;
         database.execute("PRAGMA synchronous = OFF");
-        const data::SessionSpec spec = tests::session_spec(protocol_of(design));
-        tests::World world{.seed = seed, .fault_share = 0.15, .max_faults = 2};
-        tests::Random random(seed * 31 + 7);
+        const data::SessionSpec spec = session_spec(protocol_of(design));
+        World world{.seed = seed, .fault_share = 0.15, .max_faults = 2};
+        Random random(seed * 31 + 7);
         std::vector<Instant> moments;
         for (int sitting = 0; sitting < 12; ++sitting) {
             if (sit(database, spec, world, random, moments)) {

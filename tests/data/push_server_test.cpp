@@ -25,7 +25,7 @@ TEST_CASE(
     "[push][law]") {
     A_SERVER(server);
     const TemporaryFolder folder;
-    std::vector<std::string> files;
+    Words files;
     for (const char* who : {"P01", "P02", "P03"}) {
         files.push_back(folder.file(fmt::format("{}.sqlite", who)));
         ran(run_words("shape_friction_demo", who, files.back(),
@@ -49,13 +49,11 @@ TEST_CASE(
     for (int i = 0; i < 2; ++i) {
         for (const std::string& file : files) {
             pushes.push_back(std::make_unique<Process>(
-                std::vector<std::string>{palpate_program(), "push", file, "--to", together}));
+                Words{palpate_program(), "push", file, "--to", together}));
         }
     }
     for (const auto& push : pushes) {
-        const Finished done = push->wait();
-        CAPTURE(done.error);
-        CHECK(done.code == 0);
+        ended(push->wait());
     }
     for (const char* table :
          {"session", "trial", "trace_chunk", "response", "plan", "presentation"}) {
@@ -181,16 +179,13 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
     std::filesystem::copy_file(file, older);
     ran({"participant", file, "demo", "--consent", "no"});
     ran({"participant", file, "later", "--new", "--consent", "yes"});
-    const auto push = [&](std::vector<std::string> more) {
-        more.insert(more.begin(), {"push", file, "--to", server->url()});
-        return palpate_command(more);
+    const auto push = [&](const Words& more) {
+        return palpate_command(joined({"push", file, "--to", server->url()}, more));
     };
     const auto count = [&](const std::string& what) {
         return *Postgres(server->url()).rows("SELECT count(*) FROM " + what).at(0).at(0);
     };
-    const Finished without = push({});
-    CAPTURE(without.out, without.error);
-    CHECK(without.code == 0);
+    const Finished without = ended(push({}));
     CHECK_THAT(without.out,
                Has("1 session (1 of them left out: no consent)", "not encrypted by TLS"));
     for (const char* table : {"session", "trace_chunk", "event", "response"}) {
@@ -232,7 +227,7 @@ TEST_CASE("what is repaired after a push reaches the server as events, and nothi
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
-    const auto does = [&](std::vector<std::string> words) {
+    const auto does = [&](Words words) {
         words.insert(words.begin() + 1, file);
         ran(words);
     };
@@ -271,9 +266,8 @@ TEST_CASE("an older copy brings no session of who refuses, under whosever code i
     const std::string newer = a_database(folder);
     const std::string older = folder.file("older.sqlite");
     std::filesystem::copy_file(newer, older);
-    const auto participant = [&](std::vector<std::string> words) {
-        words.insert(words.begin(), {"participant", newer});
-        ran(words);
+    const auto participant = [&](const Words& words) {
+        ran(joined({"participant", newer}, words));
     };
     const auto push = [&](const std::string& file) {
         return palpate_command({"push", file, "--to", server->url()});

@@ -175,7 +175,7 @@ TEST_CASE("what a server lost comes again, and a column that it lost is named", 
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
-    const std::vector<std::string> push{"push", file, "--to", server->url()};
+    const Words push{"push", file, "--to", server->url()};
     ran({"participant", file, "demo", "--consent", "yes"});
     ran(push);
     const std::string whole = content(server->url());

@@ -11,7 +11,7 @@ namespace {
 
 /// What the database says of itself.
 std::string contents(Database& database) {
-    return data::summary_text(database) + tests::content_hash(database);
+    return data::summary_text(database) + content_hash(database);
 }
 
 std::string contents(const std::string& file) {
@@ -22,12 +22,12 @@ std::string contents(const std::string& file) {
 /// A session with one answered trial in `file`. The rig has ended: no log is beside it.
 std::string record(const std::string& file) {
     Database database(file, Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
-    recorder.append(id, tests::random_ticks(1, 300));
-    recorder.end_trial(id, tests::answered(0, true, 300));
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    recorder.append(id, random_ticks(1, 300));
+    recorder.end_trial(id, answered(0, true, 300));
     return contents(database);
 }
 
@@ -53,7 +53,7 @@ template <class Work>
 std::string in_child(const Work& work) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
-    const pid_t child = tests::in_a_child([&] {
+    const pid_t child = in_a_child([&] {
         close(ends[0]);
         std::string text;
         try {
@@ -88,7 +88,7 @@ std::string without_rights(const Work& work) {
 
 std::string hash_of(const std::string& file) {
     Database database(file, Access::read);
-    return tests::content_hash(database);
+    return content_hash(database);
 }
 
 /// Records into `file` and is killed in the middle of a trial. Most is in the log only.
@@ -96,13 +96,13 @@ std::string hash_of(const std::string& file) {
 std::string record_and_die(const std::string& file) {
     return in_child([&] {
         auto& rig = *new Database(file, Access::write);  // nothing is closed
-        const auto spec = tests::session_spec(tests::small_protocol());
+        const auto spec = session_spec(small_protocol());
         const auto opened = data::open_session(rig, spec);
         data::SqliteRecorder recorder(rig, spec.protocol, opened.id);
-        recorder.append(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
-                        tests::random_ticks(1, 512));
+        recorder.append(begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                        random_ticks(1, 512));
         recorder.save();
-        return tests::content_hash(rig);
+        return content_hash(rig);
     });
 }
 

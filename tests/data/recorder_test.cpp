@@ -12,7 +12,7 @@ void append_in_bits(protocols::Recorder& recorder,
                     protocols::TrialId id,
                     std::span<const engine::TickRecord> ticks,
                     std::uint64_t seed) {
-    tests::Random random(seed);
+    Random random(seed);
     while (!ticks.empty()) {
         const std::size_t n =
             std::min(ticks.size(), static_cast<std::size_t>(1 + random.below(400)));
@@ -25,7 +25,7 @@ void check_same(std::span<const engine::TickRecord> stored,
                 std::span<const engine::TickRecord> ticks) {
     REQUIRE(stored.size() == ticks.size());
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-        REQUIRE(tests::same_bits(stored[i], ticks[i]));
+        REQUIRE(same_bits(stored[i], ticks[i]));
     }
 }
 
@@ -34,16 +34,16 @@ void check_same(std::span<const engine::TickRecord> stored,
 TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
     SEED(std::uint64_t{8});
     EACH(async, false, true);
-    tests::SmallSession rig;
-    const auto ticks = tests::random_ticks(seed, 1 + 1433 * seed);
+    SmallSession rig;
+    const auto ticks = random_ticks(seed, 1 + 1433 * seed);
     protocols::TrialId id = 0;
     {
         data::AsyncRecorder thread(rig.recorder);
         protocols::Recorder& recorder =
             async ? static_cast<protocols::Recorder&>(thread) : rig.recorder;
-        id = tests::begin_trial(recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
+        id = begin_trial(recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
         append_in_bits(recorder, id, ticks, seed);
-        recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(ticks.size())));
+        recorder.end_trial(id, answered(0, true, static_cast<std::int64_t>(ticks.size())));
     }
     check_same(data::TraceReader(rig.database).read(id), ticks);
     auto row = rig.database.first("SELECT count(*), (max(first_tick) % 2048) FROM trace_chunk");
@@ -52,9 +52,9 @@ TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[s
 }
 
 TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
-    tests::SmallSession rig;
-    const auto ticks = tests::random_ticks(1, 700);
-    const auto id = rig.record(0, tests::answered(0, true), ticks);
+    SmallSession rig;
+    const auto ticks = random_ticks(1, 700);
+    const auto id = rig.record(0, answered(0, true), ticks);
     std::filesystem::copy(rig.folder.file("a.sqlite"),
                           rig.folder.file("copy.sqlite"));  // without the log
     Database copy(rig.folder.file("copy.sqlite"), Access::write);
@@ -62,19 +62,19 @@ TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
 }
 
 TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
-    tests::SmallSession rig;
+    SmallSession rig;
     Database analyst(rig.folder.file("a.sqlite"), Access::read);
     auto looking = analyst.prepare("SELECT * FROM plan");
     REQUIRE(looking.step());  // holds a read transaction open
-    const auto ticks = tests::random_ticks(2, 1000);
-    check_same(data::TraceReader(rig.database).read(rig.record(0, tests::answered(0, true), ticks)),
+    const auto ticks = random_ticks(2, 1000);
+    check_same(data::TraceReader(rig.database).read(rig.record(0, answered(0, true), ticks)),
                ticks);
 }
 
 TEST_CASE("a full disk is said, and everything acknowledged before it is there", "[store][law]") {
-    tests::SmallSession rig;
-    const auto ticks = tests::random_ticks(3, 512);
-    const auto first = rig.record(0, tests::answered(0, true), ticks);
+    SmallSession rig;
+    const auto ticks = random_ticks(3, 512);
+    const auto first = rig.record(0, answered(0, true), ticks);
     auto pages = rig.database.first("PRAGMA page_count");
     rig.database.execute(
         ("PRAGMA max_page_count = " + std::to_string(pages.integer(0) + 60)).c_str());
@@ -84,8 +84,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     std::string said;
     try {
         for (std::size_t i = 0; i < 100; ++i) {
-            rig.recorder.append(second,
-                                tests::random_ticks(i, 256, static_cast<std::int64_t>(256 * i)));
+            rig.recorder.append(second, random_ticks(i, 256, static_cast<std::int64_t>(256 * i)));
             const bool saved = rig.recorder.save();
             stored += saved ? 256 : 0;
         }
@@ -103,10 +102,9 @@ TEST_CASE(
     "a file that is moved, or deleted with or without its log, under the rig is missed at the end "
     "of the trial, and what was recorded is there",
     "[store][law]") {
-    const std::string what = GENERATE("moved", "deleted", "log deleted");
-    CAPTURE(what);
-    tests::SmallSession rig;
-    const auto ticks = tests::random_ticks(3, 5000);
+    EACH(what, as<std::string>{}, "moved", "deleted", "log deleted");
+    SmallSession rig;
+    const auto ticks = random_ticks(3, 5000);
     const auto id = rig.begin(0);
     rig.recorder.append(id, std::span(ticks).first(4500));
     const bool moved = what == "moved";
@@ -118,20 +116,20 @@ TEST_CASE(
         std::filesystem::remove(rig.folder.file("a.sqlite-wal"));
         std::filesystem::remove(rig.folder.file("a.sqlite-shm"));
         // Another program on a log of its own: what both wrote would be neither's.
-        CHECK(tests::Process({"sqlite3", rig.folder.file("a.sqlite"), "CREATE TABLE other (x)"})
+        CHECK(Process({"sqlite3", rig.folder.file("a.sqlite"), "CREATE TABLE other (x)"})
                   .wait()
                   .code == 0);
     }
     rig.recorder.append(id, std::span(ticks).subspan(4500));
     const char* said = moved ? "a.sqlite: it was moved" : "a.sqlite: it, or its log, was deleted";
     const char* remedy = moved ? "put it back" : "a.sqlite.rescued: put that in its place";
-    CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)), Has(said));
+    CHECK_THROWS_WITH(rig.recorder.end_trial(id, answered(0, true, 5000)), Has(said));
     CHECK_THROWS_WITH(rig.begin(1), Has(remedy));
     Database there(rig.folder.file(moved ? "b.sqlite" : "a.sqlite.rescued"), Access::read);
     check_same(data::TraceReader(there).read(id), ticks);
     if (what == "log deleted") {
-        CHECK(tests::Process({"sqlite3", rig.folder.file("a.sqlite"),
-                              "PRAGMA integrity_check; SELECT count(*) FROM other"})
+        CHECK(Process({"sqlite3", rig.folder.file("a.sqlite"),
+                       "PRAGMA integrity_check; SELECT count(*) FROM other"})
                   .wait()
                   .out == "ok\n0\n");
     }

@@ -4,7 +4,6 @@
 #include "data/plot/svg_text.hpp"
 #include "tests/figures/csv.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 #include "tests/support/svg_reader.hpp"
 
@@ -164,7 +163,7 @@ TEST_CASE("text is escaped, the caption is wrapped to the width, legends stand a
         figure.caption += "words of \xC2\xB5 and \xFF ";
     }
     const std::string text = svg(figure);
-    CHECK(text.find("<script>") == std::string::npos);
+    CHECK_THAT(text, !Has("<script>"));
     const SvgReader reader(text);
     CHECK(reader.all("title").at(0).text == figure.title);
     const auto caption = reader.all("text", "caption");
@@ -301,12 +300,12 @@ TEST_CASE("the sagitta is that of a circle through both ends of the chord", "[sh
 
 TEST_CASE("the sheet names every object with curvature and sagitta, and draws it to scale",
           "[sheet]") {
-    protocols::Protocol protocol = tests::small_protocol();
+    protocols::Protocol protocol = small_protocol();
     protocol.title = "a < b & c";
     protocol.objects.push_back({"catch_12", 12.0, false});
     const std::string svg = object_sheet(protocol, "0123456789abcdef");
     CHECK(svg == object_sheet(protocol, "0123456789abcdef"));
-    const tests::SvgReader drawing(svg);
+    const SvgReader drawing(svg);
     std::string words;
     for (const auto& element : drawing.all("text")) {
         words += element.text + '\n';

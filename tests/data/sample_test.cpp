@@ -95,8 +95,7 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     const auto chunk =
         sql_rows(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");
     const auto& one = chunk[random.index(chunk.size())];
-    data::Statement read = database.prepare("SELECT data FROM trace_chunk WHERE rowid = " + one[0]);
-    REQUIRE(read.step());
+    data::Statement read = database.first("SELECT data FROM trace_chunk WHERE rowid = " + one[0]);
     std::vector<std::byte> bytes(read.blob(0).begin(), read.blob(0).end());
     read.reset();
     bytes[random.index(bytes.size())] ^= std::byte(1U << static_cast<unsigned>(random.below(8)));

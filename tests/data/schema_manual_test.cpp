@@ -2,16 +2,14 @@
 
 #include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/database.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/trace/sample_columns.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 TEST_CASE("every column of every table and view has a meaning, and every physical one a unit",
           "[schema][law]") {
-    const tests::TemporaryFolder folder;
-    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    NewDatabase database;
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
     const std::set<std::string> plain{"mu_s", "mu_d", "mu_s_1", "mu_s_2", "comparison_mu_s",

@@ -9,7 +9,7 @@ using namespace palpate::protocols;
 namespace {
 
 /// Explores for a second; in its first trial it does something at 0.4 s.
-class Acting : public tests::Patient {
+class Acting : public Patient {
 public:
     explicit Acting(std::function<void()> act) : act_(std::move(act)) {}
 
@@ -33,7 +33,7 @@ private:
 };
 
 Protocol held_protocol() {
-    Protocol protocol = tests::small_protocol();
+    Protocol protocol = small_protocol();
     protocol.timing.explore_min = 0.0;
     protocol.safety.dead_man = true;
     protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
@@ -41,7 +41,7 @@ Protocol held_protocol() {
 }
 
 /// A session on the simulated pantograph, through the safety chain, into a file.
-struct FeltRun : tests::SmallSession {
+struct FeltRun : SmallSession {
     explicit FeltRun(const Protocol& protocol)
         : SmallSession(protocol),
           apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
@@ -193,7 +193,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     FeltRun run(protocol);
     DeviceApparatus apparatus(protocol, std::make_unique<Still>());
     CHECK(apparatus.timing().empty());  // no tick yet
-    class Brief : public tests::Patient {
+    class Brief : public Patient {
     public:
         explicit Brief(Apparatus& apparatus) : apparatus_(apparatus) {}
         ExplorationStep explore(const TrialView& /*trial*/, double elapsed_s) override {
@@ -219,7 +219,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
 namespace {
 
 /// An experimenter who marks and pauses while an attempt is felt, now and then.
-class Marking : public tests::Patient {
+class Marking : public Patient {
 public:
     Marking(std::uint64_t seed, OperatorDesk& desk) : random_(seed), desk_(desk) {}
 
@@ -244,7 +244,7 @@ public:
     TrialNumber felt{};  ///< as its screen said
 
 private:
-    tests::Random random_;
+    Random random_;
     OperatorDesk& desk_;
     bool decided_ = false;
 };
@@ -254,12 +254,12 @@ private:
 TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
           "[session][desk][law]") {
     SEED(4ULL);
-    Protocol protocol = tests::short_protocol();
+    Protocol protocol = short_protocol();
     protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
-    tests::SmallSession session(protocol);
+    SmallSession session(protocol);
     Database& database = session.database;
-    tests::World world{.seed = seed, .fault_share = 0.3};
-    tests::FaultyApparatus apparatus(world);
+    World world{.seed = seed, .fault_share = 0.3};
+    FaultyApparatus apparatus(world);
     OperatorDesk desk;
     Marking observer(seed, desk);
     std::vector<MarkReply> replies;
@@ -300,7 +300,7 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
 namespace {
 
 /// Marks in the first break.
-class InABreak : public tests::Patient {
+class InABreak : public Patient {
 public:
     InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
     Signal rest(double /*seconds*/, const TrialView& /*next*/) override {
@@ -322,10 +322,10 @@ private:
 }  // namespace
 
 TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk][law]") {
-    tests::SmallSession session(tests::short_protocol());
+    SmallSession session(short_protocol());
     Database& database = session.database;
-    tests::World world;
-    tests::FaultyApparatus apparatus(world);
+    World world;
+    FaultyApparatus apparatus(world);
     OperatorDesk desk;
     InABreak observer(database, desk);
     static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {}, session.progress,

@@ -1,19 +1,15 @@
 #include "data/extension/sample_module.hpp"
 #include "data/statistics/distributions.hpp"
 #include "data/statistics/information.hpp"
-#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/studies.hpp"
 
 namespace {
 
 /// A database with the functions, and the first value of a query.
 class Asked {
 public:
-    Asked() : database_(folder_.file("a.sqlite"), data::Access::write) {
-        REQUIRE(data::add_extension(database_.handle()) == 0);
-    }
+    Asked() { REQUIRE(data::add_extension(database_.handle()) == 0); }
     double real(const std::string& sql) {
         data::Statement row = database_.prepare(sql);
         REQUIRE(row.step());
@@ -34,8 +30,7 @@ public:
     }
 
 private:
-    tests::TemporaryFolder folder_;
-    data::Database database_;
+    NewDatabase database_;
 };
 
 /// P(X >= k) of a binomial, added up term by term.
@@ -96,8 +91,8 @@ TEST_CASE("intervals of shares are those of Newcombe's table", "[sql][functions]
 
 TEST_CASE("at the ends of an exact interval the binomial tails are what is left of the confidence",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(200U));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(200U));
+    Random random(seed);
     const int n = 1 + random.below(80);
     const int k = random.below(n + 1);
     const double confidence = random.in(0.5, 0.999);
@@ -113,8 +108,8 @@ TEST_CASE("at the ends of an exact interval the binomial tails are what is left 
 
 TEST_CASE("d' gives back the share that it came from, by closed forms for two and three",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(40U));
+    Random random(seed);
     const double d = random.in(-1.0, 4.0);
     CAPTURE(seed, d);
     CHECK(data::share_correct(d, 2) == Approx(phi(d / std::numbers::sqrt2)).epsilon(1e-12));
@@ -162,8 +157,8 @@ TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[s
 }
 
 TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][functions][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(60U));
+    Random random(seed);
     Asked asked;
     std::vector<double> x(static_cast<std::size_t>(2 + random.below(40)));
     std::string rows;
@@ -206,8 +201,8 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
 
 TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(25U));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(25U));
+    Random random(seed);
     const int before = random.below(6);
     const int after = random.below(6) - 2;
     CAPTURE(seed, before, after);
@@ -283,8 +278,7 @@ TEST_CASE("information is log2 of what is distinguished, none where answers igno
 }
 
 TEST_CASE("a file without ticks' table has no samples, and says so", "[sample]") {
-    const tests::TemporaryFolder folder;
-    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    NewDatabase database;
     database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
     REQUIRE(data::add_extension(database.handle()) == 0);
     const auto ask = [&] {

@@ -1,6 +1,5 @@
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate::data;
@@ -8,21 +7,17 @@ using namespace palpate::data;
 // An independent reader of the stored bytes: what README gives to analysts.
 TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded",
           "[trace][law]") {
-    if (tests::Process({"python3", "-c", "import sqlite3, zlib"}).wait().code != 0) {
-        WARN("python3 with sqlite3 and zlib is not installed: not checked");
+    if (!installed("python3 with sqlite3 and zlib", {"python3", "-c", "import sqlite3, zlib"})) {
         return;
     }
-    tests::SmallSession session;
-    const auto ticks = tests::random_ticks(5, 5000);
-    const std::string id = std::to_string(session.record(0, tests::answered(0, true, 5000), ticks));
+    SmallSession session;
+    const auto ticks = random_ticks(5, 5000);
+    const std::string id = std::to_string(session.record(0, answered(0, true, 5000), ticks));
     const std::string file = session.folder.file("a.sqlite");
 
-    const tests::Finished python =
-        tests::Process({"python3", PALPATE_SOURCE_DIR "/data/trace/read_trace.py", file, id})
-            .wait();
-    CAPTURE(python.error);
-    REQUIRE(python.code == 0);
-    const auto lines = tests::lines_in(python.out);
+    const Finished python = ended(
+        Process({"python3", PALPATE_SOURCE_DIR "/data/trace/read_trace.py", file, id}).wait());
+    const auto lines = lines_in(python.out);
     REQUIRE(lines.size() == ticks.size() + 1);
     CHECK(lines[0] ==
           "tick,time_ns,count_1,count_2,code_1,code_2,lateness_ns,flags,hip_x_100nm,hip_y_100nm,"
@@ -31,7 +26,7 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
         const engine::TickRecord& tick = ticks[i];
         const std::string& line = lines[i + 1];
         std::vector<std::int64_t> number;
-        for (const std::string& word : tests::split(line)) {
+        for (const std::string& word : split(line)) {
             number.push_back(std::stoll(word));
         }
         CAPTURE(line);
@@ -53,30 +48,27 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
                     static_cast<std::int64_t>(steps(tick.command.z, 1e4))});
     }
 
-    CHECK(tests::palpate_command({"trace", file, id}).out == python.out);
-    if (tests::Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
-        WARN("R with RSQLite is not installed: not checked");
+    CHECK(palpate_command({"trace", file, id}).out == python.out);
+    if (!installed("R with RSQLite", {"Rscript", "-e", "library(RSQLite)"})) {
         return;
     }
-    const tests::Finished r =
-        tests::Process({"Rscript", PALPATE_SOURCE_DIR "/data/trace/read_trace.R", file, id}).wait();
-    CAPTURE(r.error);
-    REQUIRE(r.code == 0);
+    const Finished r =
+        ended(Process({"Rscript", PALPATE_SOURCE_DIR "/data/trace/read_trace.R", file, id}).wait());
     CHECK(r.out == python.out);
 }
 
 namespace {
 
 /// A trial of a new session, answered, with these ticks stored.
-struct Recorded : tests::SmallSession {
+struct Recorded : SmallSession {
     Recorded(const std::vector<engine::TickRecord>& ticks, std::int64_t counted)
-        : trial(record(0, tests::answered(0, true, counted), ticks)) {}
+        : trial(record(0, answered(0, true, counted), ticks)) {}
     protocols::TrialId trial;
 };
 
 /// Ticks 0 to `count` - 1 without those from `first` to `last`.
 std::vector<engine::TickRecord> without(std::int64_t first, std::int64_t last, std::size_t count) {
-    auto ticks = tests::random_ticks(1, count);
+    auto ticks = random_ticks(1, count);
     ticks.erase(ticks.begin() + first, ticks.begin() + last + 1);
     return ticks;
 }
@@ -92,7 +84,7 @@ TEST_CASE("a trace without its tail is refused, and what is stored of it can sti
     constexpr std::int64_t kTicks = 9000;
     const std::int64_t kept = GENERATE(0, 2048, 8192);  // whole chunks
     CAPTURE(kept);
-    Recorded rig(tests::random_ticks(1, kTicks), kTicks);
+    Recorded rig(random_ticks(1, kTicks), kTicks);
     CHECK(data::TraceReader(rig.database).read(rig.trial).size() == kTicks);
     rig.database.execute(
         ("DELETE FROM trace_chunk WHERE first_tick >= " + std::to_string(kept)).c_str());
@@ -103,8 +95,8 @@ TEST_CASE("a trace without its tail is refused, and what is stored of it can sti
 }
 
 TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[trace][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(std::uint64_t{10}));
+    Random random(seed);
     constexpr int kTicks = 5000;
     const std::int64_t first = random.below(kTicks - 1);
     const std::int64_t last = first + random.below(kTicks - 1 - static_cast<int>(first));
@@ -116,8 +108,8 @@ TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[tr
 }
 
 TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
-    auto ticks = tests::random_ticks(1, 200);
-    const auto again = tests::random_ticks(2, 100, 150);
+    auto ticks = random_ticks(1, 200);
+    const auto again = random_ticks(2, 100, 150);
     ticks.insert(ticks.end(), again.begin(), again.end());
     Recorded rig(ticks, static_cast<std::int64_t>(ticks.size()));
     CHECK_THROWS_WITH(data::TraceReader(rig.database).read(rig.trial),
@@ -125,7 +117,7 @@ TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
 }
 
 TEST_CASE("a trial that is not there has no trace, not an empty one", "[trace][law]") {
-    Recorded rig(tests::random_ticks(1, 10), 10);
+    Recorded rig(random_ticks(1, 10), 10);
     for (const std::int64_t trial : {rig.trial + 1, std::int64_t{0}, std::int64_t{-1}}) {
         const std::string says = "there is no trial " + std::to_string(trial);
         CHECK_THROWS_WITH(data::TraceReader(rig.database).read(trial), Has(says));

@@ -1,12 +1,11 @@
 #include <nlohmann/json.hpp>
 
 #include "data/inference/audit.hpp"
-#include "tests/support/program.hpp"
+#include "tests/support/page_reader.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/sql_first.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
     // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to
@@ -52,8 +51,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
-        const auto ran = palpate_command(run_words(kFourTrials, person, file, {"--device", "sim"}));
-        REQUIRE(ran.code == 0);
+        ran(run_words(kFourTrials, person, file, {"--device", "sim"}));
     }
     const auto audit = [&] {
         return palpate_command({"audit", file, "--kind", "simulated"});
@@ -62,26 +60,22 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
         const std::size_t at = text.find(start);
         return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
     };
-    const Finished first = audit();
-    CAPTURE(first.out, first.error);
-    REQUIRE(first.code == 0);
+    const Finished first = ended(audit());
     CHECK_THAT(first.out, Has("on - off"));
     for (const char* of : {"start, to the right", "start, away", "late ticks", "saturated ticks",
                            "stale ticks", "trials with a gap"}) {
         CHECK_THAT(line_of(first.out, of), Has("the same"));
     }
-    data::Database(file, data::Access::write)
-        .execute("UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
+    sql_edit(file, "UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
     const std::string moved = line_of(audit().out, "start, to the right");
     CAPTURE(moved);
     CHECK_THAT(moved, Has("DIFFERS", " 0.0040 "));
 
     // Who has no answer with a friction is in no difference with it, and is named.
-    CHECK(first.out.find("no answer with") == std::string::npos);
-    data::Database(file, data::Access::write)
-        .execute(
-            "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
-            "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
+    CHECK_THAT(first.out, !Has("no answer with"));
+    sql_edit(file,
+             "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
+             "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
     const std::string second =
         sql_csv(file,
                 "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
@@ -90,11 +84,10 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     CHECK_THAT(audit().out,
                Has("no answer with friction on, so no difference with it: " + second + "\n"));
     CHECK_THAT(line_of(audit().out, "late ticks"), Has("  2  "));
-    const std::string page = folder.file("page.html");
-    ran({"report", file, "--kind", "simulated", "-o", page});
-    CHECK_THAT(slurp(page), Has("There is no answer with friction on, so no "
-                                "difference with it: " +
-                                second + "."));
+    CHECK_THAT(page_of(file, {"--kind", "simulated"}),
+               Has("There is no answer with friction on, so no "
+                   "difference with it: " +
+                   second + "."));
     const auto made = nlohmann::json::parse(
         palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
     CHECK(made.at("no_answer_with").dump() ==
@@ -109,7 +102,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
 
 TEST_CASE("no number is made of the answers of who does not consent", "[audit][stats][report]") {
     const TemporaryFolder folder;
-    const auto record = [&](const std::string& name, const std::vector<std::string>& codes) {
+    const auto record = [&](const std::string& name, const Words& codes) {
         for (const std::string& code : codes) {
             ran(run_words(kFourTrials, code, folder.file(name), {"--device", "sim"}));
         }
@@ -127,7 +120,6 @@ TEST_CASE("no number is made of the answers of who does not consent", "[audit][s
     CHECK(said("audit", with) == said("audit", without));
     CHECK_THAT(palpate_command({"stats", with, "--kind", "simulated"}).out,
                Has("All answers: 2 people, 8 answers"));
-    const std::string page = folder.file("page.html");
-    ran({"report", with, "--kind", "simulated", "-o", page});
-    CHECK_THAT(slurp(page), Has("left out: 1 does not consent", "2 people"));
+    CHECK_THAT(page_of(with, {"--kind", "simulated"}),
+               Has("left out: 1 does not consent", "2 people"));
 }

@@ -1,18 +1,5 @@
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
-
-namespace {
-
-/// The demo protocol with one text replaced.
-std::string edited(const std::string& from, const std::string& to) {
-    return short_text("shape_friction_demo", {{from, to}});
-}
-
-}  // namespace
 
 TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, nothing is created",
           "[cli][law]") {
@@ -31,13 +18,15 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
                 "40\nmax_run_object = 1\nmax_run_friction = 1", "object 1, friction 1"}}) {
         CAPTURE(wrong.to);
         const TemporaryFolder folder;
-        std::ofstream(folder.file("p.toml")) << edited(wrong.from, wrong.to);
-        const Finished run =
-            ran(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"), {"--headless"}), 2);
-        CHECK_THAT(run.error, Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
-                                                       Catch::CaseSensitive::Yes) &&
-                                  Has(wrong.value));
-        CHECK(folder.names() == std::vector<std::string>{"p.toml"});
+        std::ofstream(folder.file("p.toml"))
+            << short_text("shape_friction_demo", {{wrong.from, wrong.to}});
+        CHECK_THAT(
+            ran(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"), {"--headless"}), 2)
+                .error,
+            Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
+                                     Catch::CaseSensitive::Yes) &&
+                Has(wrong.value));
+        CHECK(folder.names() == Words{"p.toml"});
     }
 }
 
@@ -46,7 +35,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
     struct Wrong {
-        std::vector<std::string> words;
+        Words words;
         const char* says;
     };
     for (const Wrong& wrong :
@@ -80,7 +69,9 @@ TEST_CASE("a number outside of its range is refused with what to give", "[cli][l
          "--session: \"0\" is out of range: give a number above 0; palpate run --help"},
         {"--speed", "-1", "--speed: \"-1\" is out of range: give 0 or more; palpate"},
         {"--speed", "fast", "--speed: \"fast\" is no number: give 0 or more; palpate"},
-        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5; palpate"}};
+        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5; palpate"},
+        {"--spin", "-0.1", "--spin: \"-0.1\" is out of range: give 0 to 0.5; palpate"},
+        {"--spin", "much", "--spin: \"much\" is no number: give 0 to 0.5; palpate"}};
     for (const auto& one : wrong) {
         CAPTURE(one);
         CHECK_THAT(
@@ -97,30 +88,25 @@ TEST_CASE("a font that does not open is refused before anything is made", "[cli]
     const std::string text = folder.file("text");
     write(text, "no font\n");
     for (const std::string& font : {folder.file("absent.ttf"), text}) {
-        for (const std::vector<std::string>& words :
-             {run_words("pilot", "P1", folder.file("d.sqlite")),
-              std::vector<std::string>{"demo", "--db", folder.file("d.sqlite")},
-              std::vector<std::string>{"screenshots", "-o", folder.file("o")}}) {
-            std::vector<std::string> more = words;
-            more.insert(more.end(), {"--font", font});
-            const Finished end = ran(more, 2);
-            CHECK_THAT(end.error, Has("--font " + font + ": ",
-                                      font == text ? "give a TrueType file" : "no such file") &&
-                                      !Has("headless"));
-            CHECK(folder.names() == std::vector<std::string>{"text"});
+        for (const Words& words : {run_words("pilot", "P1", folder.file("d.sqlite")),
+                                   Words{"demo", "--db", folder.file("d.sqlite")},
+                                   Words{"screenshots", "-o", folder.file("o")}}) {
+            const Words more = joined(words, {"--font", font});
+            CHECK_THAT(ran(more, 2).error,
+                       Has("--font " + font + ": ",
+                           font == text ? "give a TrueType file" : "no such file") &&
+                           !Has("headless"));
+            CHECK(folder.names() == Words{"text"});
         }
     }
 }
 
 TEST_CASE("what is said of a window is not said beside --headless", "[cli][law]") {
     const TemporaryFolder folder;
-    for (const std::vector<std::string>& window : {std::vector<std::string>{"--font", "f.ttf"},
-                                                   {"--monitor", "1"},
-                                                   {"--fullscreen"},
-                                                   {"--windowed"}}) {
-        std::vector<std::string> words =
-            run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless"});
-        words.insert(words.end(), window.begin(), window.end());
+    for (const Words& window :
+         {Words{"--font", "f.ttf"}, {"--monitor", "1"}, {"--fullscreen"}, {"--windowed"}}) {
+        const Words words =
+            joined(run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless"}), window);
         CHECK_THAT(ran(words, 2).error, Has(window.front(), " excludes ", "--headless"));
     }
     CHECK(folder.names().empty());
@@ -137,13 +123,13 @@ TEST_CASE("a word that does not apply is not passed over where it says its defau
 
 TEST_CASE("what is no finite number is refused by every word that takes one", "[cli][law]") {
     const TemporaryFolder folder;
-    const std::vector<std::vector<std::string>> commands{
+    const std::vector<Words> commands{
         {"commission", "-o", folder.file("r.toml"), "--handle-g"},
         run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless", "--spin"}),
         run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless", "--speed"}),
         {"haply-emulator", "--delay-ms"},
         {"doctor", "--seconds"}};
-    for (std::vector<std::string> words : commands) {
+    for (Words words : commands) {
         for (const char* number : {"nan", "inf", "-nan", "1e999"}) {
             words.push_back(number);
             ran(words, 2);
@@ -162,9 +148,8 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
         }
     }
     for (const std::string trial : {"", "9223372036854775808", "1.5"}) {
-        for (const std::vector<std::string>& command :
-             {std::vector<std::string>{"trace", "study.sqlite", trial},
-              {"mark", "study.sqlite", trial, "--invalid", "why"}}) {
+        for (const Words& command : {Words{"trace", "study.sqlite", trial},
+                                     {"mark", "study.sqlite", trial, "--invalid", "why"}}) {
             CHECK_THAT(ran(command, 2).error,
                        Has(fmt::format("TRIAL: \"{}\" is no whole number", trial)));
         }
@@ -189,21 +174,19 @@ TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
 }
 
 TEST_CASE("a finished session is not run again by mistake", "[cli]") {
-    const TemporaryFolder folder;
-    const std::vector<std::string> words =
-        run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--headless"});
+    const TemporaryFile file("d.sqlite");
+    const Words words = run_words("shape_friction_demo", "P1", file, {"--headless"});
     ran(words);
     CHECK_THAT(ran(words, 2).error, Has("--session 2"));
-    std::vector<std::string> second = words;
-    second.insert(second.end(), {"--session", "2"});
+    const Words second = joined(words, {"--session", "2"});
     ran(second);
 }
 
 TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file",
           "[cli][law]") {
     const TemporaryFolder folder;
-    const auto run = [&](std::vector<std::string> more) {
-        std::vector<std::string> words =
+    const auto run = [&](Words more) {
+        Words words =
             run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--headless"});
         words.insert(words.end(), more.begin(), more.end());
         return palpate_command(words);
@@ -222,14 +205,13 @@ TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"trace", file, "999"},
-          {"trace", file, "1", "--interval", "2"},
-          {"mark", file, "999", "--invalid", "x"},
-          {"note", file, "x", "--participant", "P1", "--session", "7"},
-          {"participant", file, "P7"},
-          run_words("shape_friction_demo", "P2", folder.file("e.sqlite"),
-                    {"--headless", "--device", "replay:" + file + ":999"})}) {
+    for (const Words& words : {Words{"trace", file, "999"},
+                               {"trace", file, "1", "--interval", "2"},
+                               {"mark", file, "999", "--invalid", "x"},
+                               {"note", file, "x", "--participant", "P1", "--session", "7"},
+                               {"participant", file, "P7"},
+                               run_words("shape_friction_demo", "P2", folder.file("e.sqlite"),
+                                         {"--headless", "--device", "replay:" + file + ":999"})}) {
         CAPTURE(words);
         const Finished wrong = ran(words, 2);
         CHECK(wrong.out.empty());
@@ -244,9 +226,10 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
     const std::string file = folder.file("d.sqlite");
     // A pipe whose reader is gone from the start, for both kinds of output.
     const std::string kind = GENERATE("real", "pilot");
-    const Finished said = palpate_command(run_words(
-        "shape_friction_demo", "P1", folder.file("said.sqlite"), {"--headless", "--kind", kind}));
-    CHECK_THAT(said.error, Has("recorded as simulated, not " + kind));
+    CHECK_THAT(palpate_command(run_words("shape_friction_demo", "P1", folder.file("said.sqlite"),
+                                         {"--headless", "--kind", kind}))
+                   .error,
+               Has("recorded as simulated, not " + kind));
     const Finished alone =
         Process({"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
                  "sh", folder.file("pipe"), palpate_program(), "run", "shape_friction_demo",
@@ -271,9 +254,9 @@ TEST_CASE(
     std::ofstream(file) << "Dear participant, thank you for coming.\n";
     for (const std::string& name : {file, std::string()}) {
         CAPTURE(name);
-        const Finished run = ran(run_words("shape_friction_demo", "P1", name, {"--headless"}), 2);
-        CHECK_THAT(run.error, Has(name.empty() ? "empty" : "not a palpate database"));
-        CHECK(folder.names() == std::vector<std::string>{"letters.txt"});
+        CHECK_THAT(ran(run_words("shape_friction_demo", "P1", name, {"--headless"}), 2).error,
+                   Has(name.empty() ? "empty" : "not a palpate database"));
+        CHECK(folder.names() == Words{"letters.txt"});
     }
     std::ifstream in(file);
     std::string line;
@@ -287,7 +270,7 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
     const std::string db = folder.file("d.sqlite");
     for (const auto& row : test_rows("mistyped.tsv")) {  // words, what is said, and what is meant
         CAPTURE(row);
-        std::vector<std::string> words = split(row.at(0), ' ');
+        Words words = split(row.at(0), ' ');
         std::ranges::replace(words, "{db}", db);
         std::ranges::replace(words, "{new}", folder.file("x.toml"));
         const Finished run = ran(words, 2);
@@ -310,9 +293,8 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
 
 TEST_CASE("a code much like one that is there is asked about, and nobody is made of a slip",
           "[cli][people][law]") {
-    const TemporaryFolder folder;
-    const std::string db = folder.file("d.sqlite");
-    const auto run = [&](std::vector<std::string> words) {
+    const TemporaryFile db("d.sqlite");
+    const auto run = [&](Words words) {
         words.insert(words.begin(),
                      {"run", "shape_friction_demo", "--headless", "--db", db, "--participant"});
         return palpate_command(words);
@@ -349,8 +331,7 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
 TEST_CASE(
     "what a full disk keeps from standard output is no success, and a pipe that was closed is",
     "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string data = folder.file("fit.csv");
+    const TemporaryFile data("fit.csv");
     std::ofstream(data) << "stimulus,n,k\n-1,40,9\n0,40,21\n1,40,30\n";
     for (const std::string& words : {std::string("sequence shape_friction_demo --participant P1"),
                                      std::string("check shape_friction_demo"), "fit '" + data + "'",

@@ -1,13 +1,9 @@
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick",
           "[study][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     ran(run_words("shape_friction", "P1", file, {"--headless"}));
     data::Database database(file, data::Access::read);
     auto cells = database.first(

@@ -5,12 +5,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
-
-using Words = std::vector<std::string>;
 
 /// Hides, retitles, turns the line round, is no UTF-8: ESC, C1's CSI, BEL, DEL, an override, a lone
 /// byte.
@@ -81,19 +76,16 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     ran(run);
     ran({"note", db, "=HYPERLINK(\"http://x\",\"y\")", "--participant", "P1"});
     ran({"note", db, "-5", "--participant", "P1"});
-    REQUIRE(
-        palpate_command({"participant", db, "P1", "--set", "from=+1+1", "--set", "age=-3"}).code ==
-        0);
+    ran({"participant", db, "P1", "--set", "from=+1+1", "--set", "age=-3"});
     // A note is a formula nowhere, and a number stays one.
     const std::string out = folder.file("csv");
-    REQUIRE(palpate_command({"export", db, "--kind", "all", "--with-details", "-o", out}).code ==
-            0);
+    ran({"export", db, "--kind", "all", "--with-details", "-o", out});
     std::string all;
     for (const auto& file : std::filesystem::directory_iterator(out)) {
         all += slurp(file.path());
     }
     CHECK_THAT(all, Has("\"'=HYPERLINK(", "'@SUM(A1)", "'+1+1", ",-3"));
-    CHECK(all.find("'-") == std::string::npos);
+    CHECK_THAT(all, !Has("'-"));
     const std::string csv =
         sql_csv(db, "SELECT text, -1 AS n FROM event WHERE event_kind = 'note'");
     CHECK_THAT(csv, Has("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
@@ -111,8 +103,7 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
             } catch (const data::StoreError&) {  // a trigger or another table holds on to it
             }
         }
-        auto there = database.prepare("SELECT count(*) FROM event WHERE text = ?1", kOrders);
-        REQUIRE(there.step());
+        auto there = database.first("SELECT count(*) FROM event WHERE text = ?1", kOrders);
         REQUIRE(there.integer(0) > 0);
     }
     const std::string other = folder.file("other.sqlite");

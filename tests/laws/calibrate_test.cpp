@@ -3,9 +3,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 /// `palpate calibrate` with the words, somebody at the keyboard who presses Enter so many times.
@@ -28,9 +25,8 @@ TEST_CASE(
     const std::string marks = GENERATE("", "--mark 0,20", "--mark=-30,0 --mark 30,0 --mark 0,35");
     CAPTURE(preset, marks);
     const std::string file = folder.file("desk.toml");
-    const Finished run = calibrate("--device sim --preset " + preset + " " + marks + " -o " + file);
-    CAPTURE(run.out, run.error);
-    REQUIRE(run.code == 0);
+    const Finished run =
+        ended(calibrate("--device sim --preset " + preset + " " + marks + " -o " + file));
     const engine::Calibration before = protocols::load_calibration(preset);
     const engine::Calibration after = protocols::load_calibration(file);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -50,11 +46,8 @@ TEST_CASE(
 }
 
 TEST_CASE("calibrate finds counts per turn when asked, with three marks", "[calibrate]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("desk.toml");
-    const Finished run = calibrate("--scale --mark=-30,0 --mark 30,0 --mark 0,35 -o " + file);
-    CAPTURE(run.out, run.error);
-    REQUIRE(run.code == 0);
+    const TemporaryFile file("desk.toml");
+    ended(calibrate("--scale --mark=-30,0 --mark 30,0 --mark 0,35 -o " + file));
     const auto axes = protocols::load_calibration(file).pantograph.axes;
     CHECK(std::fabs(axes[0].counts_per_turn / 65536.0 - 1.0) < 1e-3);
     CHECK(std::fabs(axes[1].counts_per_turn / 65536.0 - 1.0) < 1e-3);
@@ -109,9 +102,7 @@ TEST_CASE("calibrate leaves a commissioning record as it is, and takes no dampin
     }
     write(rig, sealed);
     const std::string other = folder.file("other.toml");
-    const Finished run = calibrate("--preset '" + rig + "' -o '" + other + "'");
-    CAPTURE(run.out, run.error);
-    REQUIRE(run.code == 0);
+    const Finished run = ended(calibrate("--preset '" + rig + "' -o '" + other + "'"));
     CHECK_THAT(run.out, Has("left out damping_n_s_per_m, which was measured on haply:/dev/one"));
     CHECK_FALSE(protocols::load_calibration(other).pantograph.damping);
 }

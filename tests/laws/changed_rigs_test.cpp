@@ -6,15 +6,12 @@
 #include "protocols/session/trust.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/board_link.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 // A commissioned rig changes between two trials: another board, other plugs, a handle that lies

@@ -1,15 +1,9 @@
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 void replace(const std::string& file, const std::string& from, const std::string& to) {
-    std::string text = slurp(file);
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    std::ofstream(file) << text.replace(at, from.size(), to);
+    write(file, replaced(slurp(file), from, to));
 }
 
 }  // namespace
@@ -25,7 +19,7 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
         const std::string before = slurp(file);
         CHECK_THAT(ran({"new", file}, 2).error, Has("is there already"));
         CHECK(slurp(file) == before);
-        CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
+        CHECK(folder.names() == Words{"Mine.toml"});
     }
 }
 
@@ -52,7 +46,7 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
                               "\nduration 74 min if every trial is felt until the prompt",
                               "nothing stands against it"));
     CHECK_THAT(slurp(folder.file("objects.svg")), Has("convex_20"));
-    CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
+    CHECK(folder.names() == Words{"objects.svg"});
 }
 
 TEST_CASE("check warns of motors that are heard, not of a pointer's", "[cli]") {
@@ -82,8 +76,7 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
 }
 
 TEST_CASE("blocks and the first-order order of a file reach the plan that is run", "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("p.toml");
+    const TemporaryFile file("p.toml");
     ran({"new", file});
     replace(file, "blocks = 1 ", "blocks = 5 ");
     const Finished blocks = ran({"sequence", file, "--participant", "P1", "--csv"});
@@ -99,8 +92,7 @@ TEST_CASE("blocks and the first-order order of a file reach the plan that is run
 
 TEST_CASE("check says first how long it takes, where the breaks are and what to think of",
           "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("p.toml");
+    const TemporaryFile file("p.toml");
     ran({"new", file});
     const Finished before = palpate_command({"check", file});
     CHECK_THAT(before.out, Has("rest: positions are read to within "));
@@ -135,8 +127,7 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
 }
 
 TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("p.toml");
+    const TemporaryFile file("p.toml");
     ran({"new", file, "--from", "curvature_2afc"});
     ran({"check", file});
     // Also where the design says no more than what it would be anyway.

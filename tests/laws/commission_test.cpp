@@ -1,25 +1,14 @@
-#include <algorithm>
-#include <array>
-#include <csignal>
-
 #include "data/store/database.hpp"
-#include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/rig_file.hpp"
 #include "tests/support/udp_port.hpp"
-#include "tests/support/window_session.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal
 // whose handle nobody holds, an operator who types, and what is left in files and on the wire.
 
 TEST_CASE("commission writes a calibration with the damping it found, its record and their hash",
           "[commission][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("rig.toml");
+    const TemporaryFile file("rig.toml");
     const Finished sim = ran({"commission", "-o", file});
     CHECK_THAT(sim.out, Has("usable stiffness at 1 kHz", "dry friction"));
     const protocols::RigFile rig = protocols::load_rig(file);
@@ -53,9 +42,9 @@ TEST_CASE(
     "[commission][law]") {
     const TemporaryFolder folder;
     const auto run = [&](const std::string& device, const std::string& calibration) {
-        std::vector<std::string> words{palpate_program(),       "run",      study_of_rig(folder),
-                                       "--participant",         "P1",       "--db",
-                                       folder.file("d.sqlite"), "--device", device};
+        Words words{palpate_program(),       "run",      study_of_rig(folder),
+                    "--participant",         "P1",       "--db",
+                    folder.file("d.sqlite"), "--device", device};
         if (!calibration.empty()) {
             words.insert(words.end(), {"--calibration", calibration});
         }
@@ -84,20 +73,18 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string study = folder.file("stiff.toml");
-    tests::write(study, replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
-                                 "stiffness_n_per_m = 2000"));
+    write(study, replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
+                          "stiffness_n_per_m = 2000"));
     const std::string rig = commissioned_rig(folder, board.word());
     const auto said = [&](const std::string& command, const std::string& calibration) {
-        std::vector<std::string> words{palpate_program(), command, "--device", board.word()};
-        if (!calibration.empty()) {
-            words.insert(words.end(), {"--calibration", calibration});
-        }
-        const std::vector<std::string> of =
-            command == "check"
-                ? std::vector<std::string>{study}
-                : std::vector<std::string>{"--protocol", study, "--seconds", "0.05", "--json"};
-        words.insert(words.end(), of.begin(), of.end());
-        return Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+        const Words of = command == "check"
+                           ? Words{study}
+                           : Words{"--protocol", study, "--seconds", "0.05", "--json"};
+        const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
+        return Process(
+                   joined({palpate_program(), command, "--device", board.word()}, joined(with, of)),
+                   {"SDL_VIDEODRIVER=dummy"})
+            .wait();
     };
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder.path());
@@ -233,16 +220,14 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
 TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, before any session",
           "[commission][haply][law]") {
     const TemporaryFolder folder;
-    const std::string at = GENERATE("0,93.3", "-10,89.3", "0,77.3");
-    CAPTURE(at);
+    EACH(at, as<std::string>{}, "0,93.3", "-10,89.3", "0,77.3");
     FreeBoard board(folder, "--at=" + at);
     const std::string rig = commissioned_rig(folder, board.word());
     const Finished end = operated(
         folder, board, ran_words(folder, board.word()) + " --calibration '" + rig + "'", at);
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, Has("it did not rest at home") || Has("the handle was not at home") ||
-                              Has("of what it should"));
+    check_end(end, 1,
+              Has("it did not rest at home") || Has("the handle was not at home") ||
+                  Has("of what it should"));
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
@@ -254,7 +239,7 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
         folder, "desk",
         "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
     const auto asked = [&](const char* what) {
-        return eventually([&] { return program.program().out().find(what) != std::string::npos; });
+        return program.program().says(what);
     };
     REQUIRE(asked("Type yes:"));
     program.type("yes");
@@ -264,7 +249,7 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
     CHECK(end.code == 1);
     CHECK_THAT(end.error, Has("the handle stands where it stood before") ||
                               Has("stopped answering"));  // a busy machine
-    CHECK(times(end.out, "Bring the handle to") == 1);
+    CHECK(count_of(end.out, "Bring the handle to") == 1);
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("rig.toml")));
 }
@@ -300,13 +285,13 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     TypedTo program(
         folder, "desk",
         "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
-    const auto asked = [&](int n) {
-        return eventually([&] { return times(program.program().out(), "Type yes:") == n; });
+    const auto asked = [&](std::size_t n) {
+        return eventually([&] { return count_of(program.program().out(), "Type yes:") == n; });
     };
     REQUIRE(asked(1));
     CHECK_THAT(program.program().out(),
                Has("It has to rest at home, (0, 89.", "Nobody may hold the handle"));
-    int questions = 1;
+    std::size_t questions = 1;
     for (const char* answer : {"", "no", "yes please"}) {
         CAPTURE(answer);
         program.type(answer);
@@ -320,11 +305,11 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
         return program.program().out().find("the handle is free\n") != std::string::npos ||
                starved(program.program().error());
     }));
-    CHECK(times(program.program().out(), "Type yes:") == questions);
+    CHECK(count_of(program.program().out(), "Type yes:") == questions);
 
     // A board that is opened anew where the handle stands takes that for home, and not unseen.
     CHECK(eventually([&] {
-        return times(program.program().out(), "Bring the handle to") == 1 ||
+        return count_of(program.program().out(), "Bring the handle to") == 1 ||
                !program.program().running();
     }));
     if (!program.program().running()) {

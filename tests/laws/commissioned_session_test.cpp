@@ -1,13 +1,6 @@
-#include <csignal>
-
 #include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/rig_file.hpp"
-#include "tests/support/window_session.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
 // feels a force, at the opening, after a replug and in breaks.
@@ -31,44 +24,6 @@ std::string real_words(const TemporaryFolder& folder,
                        const FreeBoard& board,
                        const std::string& rig) {
     return ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
-}
-
-/// A session in a window, as an operator opens it.
-/// @param replaced  a file that somebody writes over with `other` at the first question
-std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
-                                        FreeBoard& board,
-                                        const Xvfb& screen,
-                                        const std::string& words,
-                                        const std::string& replaced = "",
-                                        const std::string& other = "") {
-    std::unique_ptr<TypedTo> typed;
-    const std::string text = replaced.empty() ? "" : slurp(replaced);
-    for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
-        board.bring("0,89.3");
-        if (!replaced.empty()) {
-            std::ofstream(replaced) << text;
-        }
-        typed = std::make_unique<TypedTo>(
-            folder, fmt::format("run{}", attempt), words,
-            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
-                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-        if (!replaced.empty()) {
-            CHECK(eventually([&] { return times(typed->program().out(), "Type yes:") > 0; }));
-            std::ofstream(replaced) << other;
-        }
-        operate(*typed, board, "If it ends early");
-    }
-    return typed;
-}
-
-void end_session(XHand& hand, TypedTo& run) {
-    for (int i = 0; i < 40 && run.program().running(); ++i) {
-        hand.focus(hand.find_window("palpate: "));
-        hand.chord("q");
-        pause(0.2);
-        hand.key("y");
-        pause(0.2);
-    }
 }
 
 }  // namespace
@@ -107,7 +62,7 @@ TEST_CASE(
         board.bring(fmt::format("turned {}", 30 * 360.0 / 4880.0));  // its disc slips by 30 counts
         press_up_to(hand, run, "trouble");
         std::size_t heard = 0;
-        const auto hears = [&](const std::vector<std::string>& any) {
+        const auto hears = [&](const Words& any) {
             CAPTURE(any);
             CHECK(eventually([&] {
                 const std::string out = run.program().out();
@@ -157,7 +112,7 @@ TEST_CASE(
     CHECK_THAT(row.text(1), Has("second mark met to "));
     REQUIRE(row.step());
     CHECK(row.text(0) == "rig check");
-    CHECK(times(row.text(1), " % at ") == 4);
+    CHECK(count_of(row.text(1), " % at ") == 4);
     auto watchdog =
         database.prepare("SELECT value FROM session_provenance WHERE key = 'device watchdog'");
     REQUIRE(watchdog.step() == open);
@@ -166,12 +121,11 @@ TEST_CASE(
     } else {  // in a break
         REQUIRE(row.step());
         CHECK(row.text(0) == "start pose");
-        auto refused = database.prepare(
+        auto refused = database.first(
             "SELECT count(*) FROM event WHERE key = 'rig check' AND "
             "value = 'refused' AND text LIKE '%one of them slipped%Doubtful: the last 1 attempt, "
             "%' "
             "AND count = 1");
-        REQUIRE(refused.step());
         CHECK(refused.integer(0) >= 1);
     }
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
@@ -201,10 +155,9 @@ TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing
     CHECK(board.motors() == "0, 0");
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     const auto count = [&](const std::string& what) {
-        auto row = database.prepare(
+        auto row = database.first(
             "SELECT count(*) FROM event WHERE " + what +
             " AND event_id > (SELECT max(event_id) FROM event WHERE event_kind = 'break')");
-        REQUIRE(row.step());
         return row.integer(0);
     };
     CHECK(count("event_kind = 'stop' AND value = 'Escape'") == 1);
@@ -220,7 +173,7 @@ TEST_CASE("an opening that lost home says so, and blames no motor and no operato
     const std::string rig = commissioned_rig(folder, board.word());
     const auto asks = [](TypedTo& run, const std::string& what) {
         CHECK(eventually(
-            [&] { return times(run.program().out(), what) > 0 || !run.program().running(); }));
+            [&] { return count_of(run.program().out(), what) > 0 || !run.program().running(); }));
     };
     /// @param brings  the operator does what is asked   @param stalls  the board, during a pulse
     const auto opened = [&](bool brings, bool stalls) {
@@ -327,7 +280,7 @@ TEST_CASE(
     end_session(hand, run);
     CHECK(run.program().wait().code == 3);
     data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare(
+    auto row = database.first(
         "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN value "
         "LIKE 'refused%' THEN ' refused' WHEN event_kind = "
         "'provenance' THEN '' ELSE ' ' || replace(coalesce(value, ''), 'device_silent', "
@@ -335,7 +288,6 @@ TEST_CASE(
         "event_kind "
         "IN ('fault', 'reconnect', 'go on') OR key IN ('start pose', 'rig check') ORDER BY "
         "event_id)");
-    REQUIRE(row.step());
     CHECK_THAT(row.text(0),
                StartsWith("start pose; rig check; fault device_lost; ") &&
                    Has("reconnect anew; start pose; rig check refused; rig check; go on "
@@ -356,17 +308,16 @@ TEST_CASE("a session is felt on the calibration that was checked, whatever its f
     const Xvfb screen(1280, 800);
     XHand hand(screen.display());
     const auto typed =
-        opened_session(folder, board, screen, real_words(folder, board, rig), rig, other);
+        opened_session(folder, board, screen, real_words(folder, board, rig), "0,89.3", rig, other);
     CHECK_THAT(typed->program().out(), Has(": REAL, "));
     CHECK(slurp(rig) == other);
     press_up_to(hand, *typed, "question");
     end_session(hand, *typed);
     CHECK(typed->program().wait().code == 3);
     data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare(
+    auto row = database.first(
         "SELECT value, (SELECT max(calibration_sha256) FROM trial) FROM session_provenance "
         "WHERE key = 'calibration sha256'");
-    REQUIRE(row.step());
     CHECK(row.text(0) == checked);
     CHECK(row.text(1) == checked);
     ran({"verify", folder.file("d.sqlite")});

@@ -1,14 +1,5 @@
-#include <csignal>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/dev_tools.hpp"
-
-using namespace palpate;
-using Catch::Matchers::StartsWith;
-using tests::eventually;
 
 namespace {
 
@@ -21,13 +12,12 @@ std::string address_in(const std::string& out) {
 
 TEST_CASE("a browser shows the session, and what is pressed there is in the file",
           "[console][law]") {
-    if (!tests::DevTools::installed()) {
-        WARN("Chromium is not installed: skipped");
+    if (!DevTools::installed()) {
         return;
     }
-    tests::ShownSession session;
-    const tests::Console console(session);
-    tests::DevTools page(address_in(console.program.out()));
+    ShownSession session;
+    const Console console(session);
+    DevTools page(address_in(console.program.out()));
     REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
     CHECK(page.value("location.href") == "http://" + console.browser->host + "/");
     CHECK(page.text("kind") == "SIMULATED");
@@ -45,7 +35,7 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     CHECK(page.text("pause-word") == "Pause");
     page.press("pause");
     REQUIRE(session.comes_to("pause"));
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'pause'", "1"));
+    CHECK(session.keeps(events_of("pause"), "1"));
     CHECK(eventually([&] { return page.text("pause-word") == "Go on"; }));
     page.press("note");
     page.type("they hum \u2014 twice");
@@ -55,14 +45,14 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     CHECK(eventually(
         [&] { return page.text("notes").find("they hum \u2014 twice") != std::string::npos; }));
     page.press("pause");
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'go on'", "1"));
+    CHECK(session.keeps(events_of("go on"), "1"));
     CHECK(eventually([&] { return page.text("pause-word") == "Pause"; }));
     page.press("mark");
     REQUIRE(
         eventually([&] { return page.value("document.getElementById('ask').open") == "true"; }));
     page.press("ask-stop");
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'stop'", "1"));
-    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'mark'") == "0");
+    CHECK(session.keeps(events_of("stop"), "1"));
+    CHECK(session.kept(events_of("mark")) == "0");
     CHECK(page.value("performance.getEntriesByType('resource').every(one => "
                      "one.name.startsWith(location.origin))") == "true");
 
@@ -74,56 +64,51 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
 
 TEST_CASE("of two browsers one shows what is felt, and both go on with the next server",
           "[console][law]") {
-    if (!tests::DevTools::installed()) {
-        WARN("Chromium is not installed: skipped");
+    if (!DevTools::installed()) {
         return;
     }
-    tests::ShownSession session("shape_friction", {"2", "--console"});
-    REQUIRE(
-        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    ShownSession session("shape_friction", {"2", "--console"});
+    REQUIRE(session.program.says("\nCtrl+C"));
     const std::string address = address_in(session.program.out());
-    tests::DevTools one(address);
-    tests::DevTools other(address);
+    DevTools one(address);
+    DevTools other(address);
     REQUIRE(eventually(
         [&] { return one.text("participant") == "P1" && other.text("participant") == "P1"; }));
     const std::string covers = "document.getElementById('shown').hidden";
     one.press("reveal");
     REQUIRE(eventually([&] { return one.value("document.getElementById('ask').open") == "true"; }));
     one.press("ask-yes");
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'reveal'", "1"));
+    CHECK(session.keeps(events_of("reveal"), "1"));
     CHECK(eventually([&] { return one.value(covers) == "false"; }));
 
-    kill(tests::console_of(session.program.id()), SIGKILL);
-    REQUIRE(eventually(
-        [&] { return session.program.error().find("is started again") != std::string::npos; }));
+    kill(console_of(session.program.id()), SIGKILL);
+    REQUIRE(session.program.warns("is started again"));
     other.press("pause");
     REQUIRE(session.comes_to("pause"));
-    for (tests::DevTools* page : {&one, &other}) {
+    for (DevTools* page : {&one, &other}) {
         CHECK(eventually([&] { return page->text("pause-word") == "Go on"; }));
         CHECK(page->text("alerts").empty());
     }
     CHECK(one.value(covers) == "false");
     CHECK(other.value(covers) == "true");
-    const pid_t server = tests::console_of(session.program.id());
+    const pid_t server = console_of(session.program.id());
     REQUIRE(server > 0);
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
-    for (tests::DevTools* page : {&one, &other}) {
+    CHECK(session.program.ended_by(SIGTERM) == 3);
+    for (DevTools* page : {&one, &other}) {
         CHECK(
             eventually([&] { return page->text("link").find("page rests") != std::string::npos; }));
     }
-    CHECK(eventually([&] { return tests::has_ended(server); }));
+    CHECK(eventually([&] { return has_ended(server); }));
 }
 
 TEST_CASE("a page behind another knows the state, one that hears nothing switches the force off",
           "[console][safety][law]") {
-    if (!tests::DevTools::installed()) {
-        WARN("Chromium is not installed: skipped");
+    if (!DevTools::installed()) {
         return;
     }
-    tests::ShownSession session;
-    const tests::Console console(session);
-    tests::DevTools page(address_in(console.program.out()));
+    ShownSession session;
+    const Console console(session);
+    DevTools page(address_in(console.program.out()));
     const auto titled = [&](const std::string& phase) {
         return eventually(
             [&] { return page.value("document.title").find(phase) != std::string::npos; });
@@ -147,13 +132,12 @@ TEST_CASE("a page behind another knows the state, one that hears nothing switche
     REQUIRE(titled("LOST"));
     page.press("stop");
     console.program.signal(SIGCONT);
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'stop'", "1"));
+    CHECK(session.keeps(events_of("stop"), "1"));
     CHECK(eventually([&] { return page.text("alerts").empty(); }));
 
     page.run("location.reload()");
     REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
     page.run("location.reload()");
     CHECK(eventually([&] { return page.text("alerts").find("ended early") != std::string::npos; }));
     CHECK(eventually([&] { return page.text("link").find("page rests") != std::string::npos; }));
@@ -161,5 +145,5 @@ TEST_CASE("a page behind another knows the state, one that hears nothing switche
     page.type("too late");
     page.run("document.getElementById('note-form').requestSubmit()");
     CHECK(page.text("said") == "the session has ended");
-    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'note'") == "0");
+    CHECK(session.kept(events_of("note")) == "0");
 }

@@ -1,38 +1,23 @@
-#include <chrono>
-#include <csignal>
-#include <thread>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 // The experimenter's page where somebody means it ill, or where it dies. How often: the environment
 // says (PALPATE_CONSOLE_TRIES=100, PALPATE_CONSOLE_REQUESTS=10000). Nothing is asserted about time.
 
-using namespace palpate;
-using Catch::Matchers::StartsWith;
-using tests::Console;
-using tests::console_of;
-using tests::eventually;
-using tests::ShownSession;
-
 namespace {
 
 const std::string kNote = R"({"do":"note","text":"obeyed"})";
-constexpr const char* kNotes = "SELECT count(*) FROM event WHERE event_kind = 'note'";
+const std::string kNotes = events_of("note");
 
 }  // namespace
 
 TEST_CASE("whatever becomes of the page's server and its clients, the session loses nothing",
           "[console][law]") {
     ShownSession session("shape_friction", {"4"});
-    tests::Random random(33);
+    Random random(33);
     std::vector<std::unique_ptr<Console>> stopped;
-    std::vector<std::unique_ptr<tests::HttpLine>> stalled;
-    for (int i = tests::times("PALPATE_CONSOLE_TRIES", 6); i > 0; --i) {
+    std::vector<std::unique_ptr<HttpLine>> stalled;
+    for (int i = times("PALPATE_CONSOLE_TRIES", 6); i > 0; --i) {
         auto console = std::make_unique<Console>(session);
         console->browser->trade();
         for (int k = 0; k < 8; ++k) {  // who asks for all and reads nothing
@@ -43,7 +28,7 @@ TEST_CASE("whatever becomes of the page's server and its clients, the session lo
             for (int n = random.below(300); n > 0; --n) {
                 bytes += static_cast<char>(random.below(256));
             }
-            const tests::HttpLine line(console->browser->port);
+            const HttpLine line(console->browser->port);
             line.say(bytes);
         }
         CHECK(eventually([&] {
@@ -58,22 +43,21 @@ TEST_CASE("whatever becomes of the page's server and its clients, the session lo
     }
     CHECK(session.program.running());
     CHECK(session.keeps("SELECT count(*) > 2 FROM response", "1"));
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
     CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind IN ('ticks_lost', 'pause', "
                        "'note', 'stop')") == "0");
     CHECK(session.kept("SELECT count(*) FROM trial WHERE outcome NOT IN ('complete', 'timed_out', "
                        "'aborted')") == "0");
     CHECK(session.kept("SELECT count(*) FROM trial WHERE outcome = 'aborted'") <= "1");
-    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+    CHECK(palpate_command({"verify", session.file}).code == 0);
 }
 
 TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety][law]") {
     ShownSession session;
     const Console console(session);
-    tests::Browser& browser = *console.browser;
+    Browser& browser = *console.browser;
     browser.trade();
-    tests::Random random(34);
+    Random random(34);
     const auto text = [&](const char* of, int most) {
         const std::string letters = of;
         std::string made;
@@ -82,7 +66,7 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
         }
         return made;
     };
-    for (int i = tests::times("PALPATE_CONSOLE_REQUESTS", 300); i > 0; --i) {
+    for (int i = times("PALPATE_CONSOLE_REQUESTS", 300); i > 0; --i) {
         std::string method = "POST /do";
         std::string host = browser.host;
         std::string cookie = browser.cookie;
@@ -127,29 +111,28 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
                             "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n",
                         body);
         CAPTURE(i, answer);
-        REQUIRE(answer.find("\"ok\":true") == std::string::npos);
+        REQUIRE_THAT(answer, !Has("\"ok\":true"));
     }
     CHECK(session.kept(kNotes) == "0");
     CHECK_THAT(browser.act(kNote, browser.cookie + browser.origin()), Has("\"ok\":true"));
     CHECK(session.kept(kNotes) == "1");
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held open",
           "[console][safety][law]") {
     ShownSession session;
     const Console console(session);
-    tests::Browser& browser = *console.browser;
+    Browser& browser = *console.browser;
     browser.trade();
-    std::vector<std::unique_ptr<tests::HttpLine>> pages;
+    std::vector<std::unique_ptr<HttpLine>> pages;
     for (int i = 0; i < 8; ++i) {
         pages.push_back(console.stream());
         CHECK_THAT(pages.back()->hear_until("event: state"), Has("event: state"));
     }
-    std::vector<std::unique_ptr<tests::HttpLine>> strangers;
+    std::vector<std::unique_ptr<HttpLine>> strangers;
     for (int i = 0; i < 90; ++i) {
-        strangers.push_back(std::make_unique<tests::HttpLine>(browser.port));
+        strangers.push_back(std::make_unique<HttpLine>(browser.port));
         strangers.back()->say("GET / HTTP/1.1\r\nHost: ");
     }
     const std::jthread never_silent([&](const std::stop_token& end) {
@@ -168,35 +151,33 @@ TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held o
         page->forget();
         CHECK_THAT(page->hear_until("event: state"), Has("event: state"));
     }
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("other machines come by TLS alone, and only look unless they may act",
           "[console][safety][law]") {
     ShownSession session;
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string cert = folder.file("cert.pem");
     const std::string key = folder.file("key.pem");
     const auto made = [](const std::string& c, const std::string& k) {
-        return tests::Process({"openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj",
-                               "/CN=palpate", "-addext", "subjectAltName=IP:127.0.0.2", "-keyout",
-                               k, "-out", c})
+        return Process({"openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj",
+                        "/CN=palpate", "-addext", "subjectAltName=IP:127.0.0.2", "-keyout", k,
+                        "-out", c})
                    .wait()
                    .code == 0;
     };
     if (!made(cert, key) || !made(folder.file("c2"), folder.file("k2")) ||
-        tests::Process({"curl", "--version"}).wait().code != 0) {
+        Process({"curl", "--version"}).wait().code != 0) {
         WARN("openssl or curl is not installed: skipped");
         return;
     }
     const std::string none = folder.file("none.pem");
-    const auto says = [&](const std::vector<std::string>& words) {
-        std::vector<std::string> all{"console", session.file};
-        all.insert(all.end(), words.begin(), words.end());
-        const tests::Finished refused = tests::palpate_command(all);
+    const auto says = [&](const Words& words) {
+        const Words all = joined({"console", session.file}, words);
+        const Finished refused = palpate_command(all);
         CHECK((refused.code == 1 || refused.code == 2));
-        CHECK(refused.out.find("token") == std::string::npos);
+        CHECK_THAT(refused.out, !Has("token"));
         return refused.error;
     };
     CHECK_THAT(says({"--listen", "127.0.0.2"}), Has("--tls"));
@@ -216,26 +197,18 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
     REQUIRE(eventually([&] { return session.state().contains("hidden"); }));
 
     const std::string jar = folder.file("jar");
-    const auto asked = [&](const std::string& address, const std::vector<std::string>& more) {
-        std::vector<std::string> words{"curl", "-s", "--cacert", cert,   "-b",
-                                       jar,    "-c", jar,        address};
-        words.insert(words.end(), more.begin(), more.end());
-        return tests::Process(words).wait();
+    const auto asked = [&](const std::string& address, const Words& more) {
+        Words words = joined({"curl", "-s", "--cacert", cert, "-b", jar, "-c", jar, address}, more);
+        return Process(words).wait();
     };
     for (const bool acts : {false, true}) {
-        std::vector<std::string> words{tests::palpate_program(),
-                                       "console",
-                                       session.file,
-                                       "--listen",
-                                       "127.0.0.2",
-                                       "--tls",
-                                       cert,
-                                       key};
+        Words words{palpate_program(), "console", session.file, "--listen",
+                    "127.0.0.2",       "--tls",   cert,         key};
         if (acts) {
             words.emplace_back("--act");
         }
-        tests::Process console(words);
-        REQUIRE(eventually([&] { return console.out().find("\nCtrl+C") != std::string::npos; }));
+        Process console(words);
+        REQUIRE(console.says("\nCtrl+C"));
         const std::string out = console.out();
         const std::size_t at = out.find("https://127.0.0.2:");
         const std::string own = out.substr(at, out.find("/?", at) - at);
@@ -258,30 +231,26 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
         }
         CHECK(session.kept(kNotes) == (acts ? "1" : "0"));
     }
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and nothing is kept",
           "[console][law]") {
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string file = folder.file("mine.toml");
-    tests::write(file, tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"));
-    tests::Process preview({tests::palpate_program(), "preview", file, "--device", "sim"});
-    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
-    tests::Browser browser(preview.out());
-    browser.trade();
-    tests::HttpLine stream(browser.port);
-    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
-    CHECK_THAT(stream.hear_until("event: felt"), Has("event: felt"));
-    CHECK_THAT(stream.hear_until("concave, friction on\"]"), Has("\"on\":null"));
+    write(file, slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"));
+    Process preview({palpate_program(), "preview", file, "--device", "sim"});
+    const Browser browser = browser_of(preview);
+    const auto stream = browser.stream();
+    CHECK_THAT(stream->hear_until("event: felt"), Has("event: felt"));
+    CHECK_THAT(stream->hear_until("concave, friction on\"]"), Has("\"on\":null"));
     const auto ask = [&](const std::string& what) {
-        stream.forget();
+        stream->forget();
         return browser.act(what, browser.cookie + browser.origin());
     };
     CHECK_THAT(ask(R"({"do":"feel","at":4})"), Has("\"ok\":false"));
     const auto ticks = [&] {
-        const std::string heard = stream.hear_until("nothing was kept");
+        const std::string heard = stream->hear_until("nothing was kept");
         const std::size_t at = heard.rfind(": ", heard.find(" ticks"));
         return at == std::string::npos ? -1 : std::atoi(heard.c_str() + at + 2);
     };
@@ -289,15 +258,14 @@ TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and no
     CHECK_THAT(ask(R"({"do":"feel","at":0})"), Has("\"ok\":false"));
     const int whole = ticks();
     CHECK(whole > 1000);  // of 8,000; a busy machine drops some
-    CHECK_THAT(stream.heard(), Has("convex, friction on: ") && !Has(" 0.00 N"));
+    CHECK_THAT(stream->heard(), Has("convex, friction on: ") && !Has(" 0.00 N"));
     CHECK_THAT(ask(R"({"do":"feel","at":2})"), Has("\"ok\":true"));
-    CHECK_THAT(stream.hear_until("felt now: concave"), Has("\"on\":2"));
+    CHECK_THAT(stream->hear_until("felt now: concave"), Has("\"on\":2"));
     CHECK_THAT(ask(R"({"do":"stop"})"), Has("\"ok\":true"));
     CHECK(ticks() < whole);
-    CHECK_THAT(stream.heard(), Has("\"on\":null"));
-    CHECK(folder.names() == std::vector<std::string>{"mine.toml"});
-    preview.signal(SIGTERM);
-    CHECK(preview.wait().code == 0);
-    CHECK_THAT(tests::palpate_command({"preview", file, "--device", "mouse"}).error,
+    CHECK_THAT(stream->heard(), Has("\"on\":null"));
+    CHECK(folder.names() == Words{"mine.toml"});
+    CHECK(preview.ended_by(SIGTERM) == 0);
+    CHECK_THAT(palpate_command({"preview", file, "--device", "mouse"}).error,
                Has("give a device with force, or sim"));
 }

@@ -1,30 +1,12 @@
-#include <array>
-#include <csignal>
-#include <fstream>
-#include <thread>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/stranger.hpp"
 
 // Several pages of one session, servers that die or stand still, and another user of the machine.
 // Nothing is asserted about time.
 
-using namespace palpate;
-using tests::Browser;
-using tests::Console;
-using tests::console_of;
-using tests::eventually;
-using tests::has_ended;
-using tests::ShownSession;
-
 namespace {
 
 const std::string kNoted = R"({"do":"note","text":"once"})";
-
-std::string events(const std::string& kind) {
-    return "SELECT count(*) FROM event WHERE event_kind = '" + kind + "'";
-}
 
 std::string act(const Browser& browser, const std::string& what) {
     return browser.act(what, browser.cookie + browser.origin());
@@ -73,12 +55,12 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
     REQUIRE(session.comes_to("pause"));
     const std::string go_on = R"({"do":"go on"})";
     static_cast<void>(both(go_on, go_on));
-    CHECK(session.keeps(events("go on"), "1"));
-    CHECK(session.kept(events("pause")) == "1");
+    CHECK(session.keeps(events_of("go on"), "1"));
+    CHECK(session.kept(events_of("pause")) == "1");
     REQUIRE(session.comes_to("explore"));
     static_cast<void>(both(R"({"do":"mark","reason":"a sneeze"})", R"({"do":"mark"})"));
     CHECK(session.keeps("SELECT count(*) FROM trial WHERE invalid_reason LIKE '%: a sneeze'", "1"));
-    CHECK(session.kept(events("mark")) == "1");
+    CHECK(session.kept(events_of("mark")) == "1");
 
     const std::string word = word_in(act(*one.browser, R"({"do":"reveal"})"));
     CHECK_THAT(act(*one.browser, R"({"do":"reveal","word":")" + word + "\"}"), Has("\"ok\":true"));
@@ -89,14 +71,11 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
     }));
     const std::string heard = blind->hear_until("\"reveal\":\"shown\"", 2);
     CHECK_THAT(heard, Has("\"reveal\":\"ask\"") && Has("event: live"));
-    for (const char* secret : {"hidden", "convex", "concave", "correct", "\"hip\"", "strips"}) {
-        CAPTURE(secret);
-        CHECK(heard.find(secret) == std::string::npos);
-    }
+    CHECK_THAT(heard, HasNone("hidden", "convex", "concave", "correct", "\"hip\"", "strips"));
     const std::string again = act(*other.browser, R"({"do":"reveal"})");
     CHECK_THAT(again, Has("\"ok\":true"));
     CHECK(word_in(again).empty());
-    CHECK(session.kept(events("reveal")) == "1");
+    CHECK(session.kept(events_of("reveal")) == "1");
 
     const auto asked = both(R"({"do":"end"})", R"({"do":"end"})");
     const std::string end = R"({"do":"end","word":")" + word_in(asked[0]) + "\"}";
@@ -109,7 +88,7 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
 
 TEST_CASE("a page that dies is started again once, at its address, and the session goes on",
           "[console][law]") {
-    ShownSession session(tests::kFourTrials, {"1", "--console"});
+    ShownSession session(kFourTrials, {"1", "--console"});
     const auto die = [&] {
         const pid_t console = console_of(session.program.id());
         REQUIRE(console > 0);
@@ -117,11 +96,8 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     };
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
     REQUIRE(session.comes_to("pause"));
-    REQUIRE(
-        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    const Browser browser = browser_of(session.program);
     CHECK_THAT(session.program.out(), Has("\nCtrl+C at the session's terminal ends the session"));
-    Browser browser(session.program.out());
-    browser.trade();
     const auto serves = [&] {
         return browser.get("/", browser.cookie).starts_with("HTTP/1.1 200");
     };
@@ -138,8 +114,7 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     CHECK(console_of(session.program.id()) == 0);
     {
         Console ends(session);
-        ends.program.signal(SIGTERM);
-        CHECK(ends.program.wait().code == 0);
+        CHECK(ends.program.ended_by(SIGTERM) == 0);
     }
     const Console by_hand(session);
     CHECK(by_hand.browser->host == browser.host);
@@ -158,62 +133,53 @@ TEST_CASE("a page of a session that is over asks nothing of the next one on its 
     ShownSession session;
     const Console before(session);
     before.browser->trade();
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
     for (int i = 0; i < 2; ++i) {  // loaded again
         CHECK_THAT(before.stream()->hear_until("\r\n0\r\n\r\n"),
                    Has("\"alive\":false", "\"ended\":\"ended early\""));
     }
-    tests::Process next({tests::palpate_program(), "run", "shape_friction", "--participant", "P1",
-                         "--db", session.file, "--headless", "--operator", "Ada", "--secret",
-                         tests::kRunSecret, "--speed", "2"});
+    Process next({palpate_program(), "run", "shape_friction", "--participant", "P1", "--db",
+                  session.file, "--headless", "--operator", "Ada", "--secret", kRunSecret,
+                  "--speed", "2"});
     REQUIRE(eventually([&] { return !ui::running_sessions(session.file).empty(); }));
     for (const std::string& what : {kNoted, std::string(R"({"do":"stop"})")}) {
         CHECK_THAT(act(*before.browser, what), Has("is gone: nothing was done"));
     }
     const Console after(session);
-    CHECK_THAT(after.browser->get("/", before.browser->cookie), Catch::StartsWith("HTTP/1.1 403"));
+    CHECK_THAT(after.browser->get("/", before.browser->cookie), StartsWith("HTTP/1.1 403"));
     after.browser->trade();
     CHECK_THAT(act(*after.browser, kNoted), Has("\"ok\":true"));
-    next.signal(SIGTERM);
-    CHECK(next.wait().code == 3);
-    CHECK(session.kept(events("note")) == "1");
-    CHECK(session.kept(events("stop")) == "0");
+    CHECK(next.ended_by(SIGTERM) == 3);
+    CHECK(session.kept(events_of("note")) == "1");
+    CHECK(session.kept(events_of("stop")) == "0");
 }
 
 TEST_CASE("a server that stood still does nothing late but switch the force off, and ends",
           "[console][safety][law]") {
     ShownSession session("shape_friction", {"2", "--console"});
-    REQUIRE(
-        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
-    Browser browser(session.program.out());
-    browser.trade();
+    const Browser browser = browser_of(session.program);
     const pid_t console = console_of(session.program.id());
     REQUIRE(console > 0);
     kill(console, SIGSTOP);
     for (const std::string& what : {kNoted, std::string(R"({"do":"stop"})"), kNoted}) {
-        const tests::HttpLine gone(browser.port);
+        const HttpLine gone(browser.port);
         gone.say("POST /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie +
                  browser.origin() + "Content-Type: application/json\r\nContent-Length: " +
                  std::to_string(what.size()) + "\r\n\r\n" + what);
     }
     kill(console, SIGCONT);
-    CHECK(session.keeps(events("stop"), "1"));
+    CHECK(session.keeps(events_of("stop"), "1"));
     CHECK_THAT(act(browser, kNoted), Has("\"ok\":true"));
     kill(console, SIGSTOP);
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
-    CHECK(session.kept(events("note")) == "1");
+    CHECK(session.program.ended_by(SIGTERM) == 3);
+    CHECK(session.kept(events_of("note")) == "1");
     CHECK(eventually([&] { return has_ended(console); }));
 }
 
 TEST_CASE("another user of the machine finds neither the page's token nor another way to it",
           "[console][safety][law]") {
     ShownSession session("shape_friction", {"2", "--console"});
-    REQUIRE(
-        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
-    Browser browser(session.program.out());
-    browser.trade();
+    const Browser browser = browser_of(session.program);
     const std::string cookie = browser.cookie.substr(browser.cookie.find('=') + 1, 32);
     const pid_t console = console_of(session.program.id());
     std::vector<std::filesystem::path> files;
@@ -229,7 +195,7 @@ TEST_CASE("another user of the machine finds neither the page's token nor anothe
         return ui::ask_session(session.shown.name, line).line;
     };
     CHECK(asked(R"({"do":"page"})").find(browser.token) != std::string::npos);
-    CHECK(tests::holds_for_a_stranger([&] {
+    CHECK(holds_for_a_stranger([&] {
         bool found = false;
         for (const auto& file : files) {
             found |= says(file, browser.token) || says(file, cookie);
@@ -247,8 +213,7 @@ TEST_CASE("another user of the machine finds neither the page's token nor anothe
                refused(browser.act(kNoted, browser.origin())) &&
                refused(browser.act(kNoted, guess + "\r\n" + browser.origin()));
     }));
-    CHECK(session.kept(events("note")) == "0");
+    CHECK(session.kept(events_of("note")) == "0");
     CHECK_THAT(act(browser, kNoted), Has("\"ok\":true"));
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }

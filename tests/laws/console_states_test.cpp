@@ -1,19 +1,13 @@
 #include <mutex>
 
-#include <fmt/format.h>
-
 #include "ui/console/page_server.hpp"
 #include "ui/rig/json_line.hpp"
 #include "tests/support/browser.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/dev_tools.hpp"
-#include "tests/support/slurp.hpp"
 
 // The experimenter's page as it lies in its files, told of every state that a session can be in.
 
-using namespace palpate;
 using data::Json;
-using tests::eventually;
 
 namespace {
 
@@ -35,10 +29,10 @@ const Json kExploring = Json::parse(R"({
 struct State {
     const char* differs;
     std::vector<std::pair<const char*, const char*>> says;
-    std::vector<std::string> barred;  ///< buttons
+    Words barred;  ///< buttons
 };
 
-const std::vector<std::string> kAll{"stop", "pause", "mark", "end", "note-send"};
+const Words kAll{"stop", "pause", "mark", "end", "note-send"};
 
 const std::vector<State> kStates{
     {R"({})", {{"sentence", "exploring, trial 27"}, {"force-word", "Force on"}}, {}},
@@ -124,7 +118,7 @@ constexpr const char* kUnreadable = R"((() => {
 })())";
 
 std::string page_file(const std::string& name) {
-    return tests::slurp(PALPATE_SOURCE_DIR "/ui/console/page/console." + name);
+    return slurp(PALPATE_SOURCE_DIR "/ui/console/page/console." + name);
 }
 
 /// The newest of what is told, once for each page.
@@ -137,8 +131,7 @@ struct Told {
 
 TEST_CASE("in every state the page says what is, bars what cannot be asked, and can be read",
           "[console][law]") {
-    if (!tests::DevTools::installed()) {
-        WARN("Chromium is not installed: skipped");
+    if (!DevTools::installed()) {
         return;
     }
     Told told;
@@ -156,7 +149,7 @@ TEST_CASE("in every state the page says what is, bars what cannot be asked, and 
         };
     };
     const ui::PageServer server(std::move(spec));
-    tests::DevTools page(server.address());
+    DevTools page(server.address());
     for (std::size_t i = 0; i < kStates.size(); ++i) {
         const State& state = kStates[i];
         CAPTURE(state.differs);

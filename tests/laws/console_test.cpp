@@ -1,25 +1,12 @@
-#include <algorithm>
-#include <csignal>
-#include <vector>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
-#include "tests/support/slurp.hpp"
 
 // The experimenter's page, asked as a browser does and as nobody should. Nothing is asserted about
 // time.
 
-using namespace palpate;
-using Catch::Matchers::StartsWith;
-using tests::Browser;
-using tests::Console;
-using tests::eventually;
-using tests::ShownSession;
-
 namespace {
 
 const std::string kPause = R"({"do":"pause"})";
-constexpr const char* kPauses = "SELECT count(*) FROM event WHERE event_kind = 'pause'";
+const std::string kPauses = events_of("pause");
 
 }  // namespace
 
@@ -30,7 +17,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     Browser& browser = *console.browser;
     const auto refused = [](const std::string& answer) {
         CHECK_THAT(answer, StartsWith("HTTP/1.1 4"));
-        CHECK(answer.find("\"ok\":true") == std::string::npos);
+        CHECK_THAT(answer, !Has("\"ok\":true"));
     };
     const std::string foreign = "Origin: http://elsewhere.example\r\n";
 
@@ -44,12 +31,12 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
 
     const std::string traded = browser.trade();
     CHECK_THAT(traded, StartsWith("HTTP/1.1 303") && Has("; HttpOnly; SameSite=Strict"));
-    CHECK(traded.find(browser.token) == std::string::npos);
+    CHECK_THAT(traded, !Has(browser.token));
     const std::string page = browser.get("/", browser.cookie);
     CHECK_THAT(page, StartsWith("HTTP/1.1 200") && Has("default-src 'none'", "<!DOCTYPE html>"));
     for (const char* file : {"/console.js", "/console.css"}) {
         CHECK_THAT(browser.get(file, browser.cookie), StartsWith("HTTP/1.1 200"));
-        CHECK(page.find(file) != std::string::npos);
+        CHECK_THAT(page, Has(file));
     }
     refused(browser.get("/../etc/passwd", browser.cookie));
     CHECK_THAT(browser.get("/favicon.ico", browser.cookie), StartsWith("HTTP/1.1 204"));
@@ -80,36 +67,30 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     CHECK_THAT(browser.act(R"({"do":"stop"})", cookie + browser.origin()), Has("\"ok\":true"));
     CHECK(
         session.keeps("SELECT value FROM event WHERE event_kind = 'stop'", "experimenter's page"));
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("the page's stream tells nothing of what is felt, and says when the session is gone",
           "[console][safety][law]") {
-    ShownSession session(tests::kFourTrials, {"1"});
+    ShownSession session(kFourTrials, {"1"});
     const Console console(session);
     console.browser->trade();
-    tests::HttpLine stream(console.browser->port);
-    stream.say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
-               console.browser->cookie + "\r\n");
-    CHECK_THAT(stream.hear_until("\"alive\":true"), Has("text/event-stream", "\"act\":true"));
+    const auto stream = console.stream();
+    CHECK_THAT(stream->hear_until("\"alive\":true"), Has("text/event-stream", "\"act\":true"));
     const auto still = console.stream("?still=1");  // of a page behind another one
     CHECK(eventually([&] {
-        stream.forget();
-        return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
+        stream->forget();
+        return stream->hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
     }));
     CHECK(eventually([&] { return session.kept("SELECT count(*) FROM response") >= "1"; }));
-    const std::string heard = stream.hear_until(std::string_view("\0\1", 2), 3);
-    for (const char* word :
-         {"hidden", "convex", "concave", "correct", "friction", "\"hip\"", "strips", "\"f\":"}) {
-        CAPTURE(word);
-        CHECK(heard.find(word) == std::string::npos);
-    }
+    const std::string heard = stream->hear_until(std::string_view("\0\1", 2), 3);
+    CHECK_THAT(heard, HasNone("hidden", "convex", "concave", "correct", "friction", "\"hip\"",
+                              "strips", "\"f\":"));
     CHECK_THAT(still->hear_until("event: live", 1), Has("event: state") && !Has("event: live"));
-    stream.forget();
+    stream->forget();
     session.program.signal(SIGKILL);
-    CHECK_THAT(stream.hear_until("\"alive\":false"), Has("\"ended\":\"killed\""));
-    CHECK(stream.hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
+    CHECK_THAT(stream->hear_until("\"alive\":false"), Has("\"ended\":\"killed\""));
+    CHECK(stream->hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
 }
 
 TEST_CASE("of two intervals it is said which one is next, and of a mark which trial it is of",
@@ -124,7 +105,7 @@ TEST_CASE("of two intervals it is said which one is next, and of a mark which tr
     const data::Json said = session.ask({{"do", "mark"}});
     CHECK_THAT(said["text"].get<std::string>(),
                StartsWith(shown.substr(begin, shown.rfind(',') - begin) + " is marked once"));
-    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'mark'", "1"));
+    CHECK(session.keeps(events_of("mark"), "1"));
 
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
     REQUIRE(session.comes_to("pause"));
@@ -135,46 +116,37 @@ TEST_CASE("of two intervals it is said which one is next, and of a mark which tr
 
 TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",
           "[console][law]") {
-    const tests::TemporaryFolder folder;
-    const std::string file = folder.file("mine.toml");
-    const std::string good = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    tests::write(file, good);
-    tests::Process preview({tests::palpate_program(), "preview", file});
-    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
-    Browser browser(preview.out());
-    browser.trade();
-    tests::HttpLine stream(browser.port);
-    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
-    CHECK_THAT(stream.hear_until("\"objects\":\"objects.svg\"}"),
+    const TemporaryFile file("mine.toml");
+    const std::string good = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    write(file, good);
+    Process preview({palpate_program(), "preview", file});
+    const Browser browser = browser_of(preview);
+    const auto stream = browser.stream();
+    CHECK_THAT(stream->hear_until("\"objects\":\"objects.svg\"}"),
                Has("\"right\":true", "\"welcome.png\"") && !Has("objects drawn in"));
     CHECK_THAT(browser.get("/choose.png", browser.cookie), Has("image/png"));
     CHECK_THAT(browser.get("/objects.svg", browser.cookie), Has("<svg"));
     CHECK_THAT(browser.get("/said.txt", browser.cookie), StartsWith("HTTP/1.1 404"));
-    stream.forget();
-    tests::write(file, tests::replaced(good, "rate_hz = 1000", "rate_hz = 1"));
-    CHECK_THAT(stream.hear_until("\"objects\":null}"), Has("mine.toml:11:11: rate_hz is 1"));
+    stream->forget();
+    write(file, replaced(good, "rate_hz = 1000", "rate_hz = 1"));
+    CHECK_THAT(stream->hear_until("\"objects\":null}"), Has("mine.toml:11:11: rate_hz is 1"));
     CHECK_THAT(browser.get("/choose.png", browser.cookie), StartsWith("HTTP/1.1 404"));
-    preview.signal(SIGTERM);
-    CHECK(preview.wait().code == 0);
+    CHECK(preview.ended_by(SIGTERM) == 0);
 }
 
 TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answers",
           "[console][law]") {
-    const tests::TemporaryFolder folder;
-    const std::string file = folder.file("mine.toml");
+    const TemporaryFile file("mine.toml");
     const std::string stairs =
-        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
-    tests::write(file, stairs);
-    tests::Process preview({tests::palpate_program(), "preview", file, "--device", "sim"});
-    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
-    Browser browser(preview.out());
-    browser.trade();
-    tests::HttpLine stream(browser.port);
-    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
+        slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
+    write(file, stairs);
+    Process preview({palpate_program(), "preview", file, "--device", "sim"});
+    const Browser browser = browser_of(preview);
+    const auto stream = browser.stream();
     /// What stands behind "mu" in trials of a phase.
     const auto levels = [&](const std::string& phase) {
-        const std::string heard = stream.hear_until("\"objects\":\"objects.svg\"}");
-        std::vector<std::string> all;
+        const std::string heard = stream->hear_until("\"objects\":\"objects.svg\"}");
+        Words all;
         for (std::size_t at = heard.find("\\ntrial "); at != std::string::npos;
              at = heard.find("\\ntrial ", at + 1)) {
             const std::string line = heard.substr(at + 2, heard.find("\\n", at + 2) - at - 2);
@@ -186,25 +158,24 @@ TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answ
         }
         return all;
     };
-    CHECK(levels("practice") == std::vector<std::string>(4, "0.9"));
-    std::vector<std::string> main = levels("main");
+    CHECK(levels("practice") == Words(4, "0.9"));
+    Words main = levels("main");
     REQUIRE(main.size() == 80);
     CHECK(main.back() == "0.305 to 1.2");  // 40 answers of a kind lead to either end
     std::erase_if(main, [](const std::string& mu) { return mu.find(" to ") != std::string::npos; });
     std::ranges::sort(main);
-    CHECK(main == std::vector<std::string>{"0.6", "0.9"});  // where its staircases begin
-    CHECK_THAT(stream.hear_until("event: felt"),
+    CHECK(main == Words{"0.6", "0.9"});  // where its staircases begin
+    CHECK_THAT(stream->hear_until("event: felt"),
                Has(R"(["more, standard","more, mu 0.305","more, mu 0.7525","more, mu 1.2"])"));
 
-    stream.forget();
+    stream->forget();
     const std::size_t kind = stairs.find("kind = \"staircase\"");
-    tests::write(file, stairs.substr(0, kind) +
-                           "kind = \"constant\"\n[procedure.constant]\nstimuli = [0.4, 0.9]\n"
-                           "repetitions = 3\n" +
-                           stairs.substr(stairs.find("[[run]]")));
+    write(file, stairs.substr(0, kind) +
+                    "kind = \"constant\"\n[procedure.constant]\nstimuli = [0.4, 0.9]\n"
+                    "repetitions = 3\n" +
+                    stairs.substr(stairs.find("[[run]]")));
     main = levels("main");
     std::ranges::sort(main);
-    CHECK(main == std::vector<std::string>{"0.4", "0.4", "0.4", "0.9", "0.9", "0.9"});
-    preview.signal(SIGTERM);
-    CHECK(preview.wait().code == 0);
+    CHECK(main == Words{"0.4", "0.4", "0.4", "0.9", "0.9", "0.9"});
+    CHECK(preview.ended_by(SIGTERM) == 0);
 }

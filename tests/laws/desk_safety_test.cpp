@@ -1,6 +1,3 @@
-#include <csignal>
-#include <cstdlib>
-
 #include "engine/base/clock.hpp"
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"
@@ -9,9 +6,6 @@
 // real window, a board on a pseudo-terminal with a hand on it, and the torques that the board gets.
 // Nothing is asserted about time but that a force goes off within seconds that used to stay for
 // ever.
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -137,8 +131,7 @@ TEST_CASE(
                      {"PATH=" + path.path().string() + ":" + std::getenv("PATH")});
     CHECK(desk.session->ask("SELECT value FROM session_provenance WHERE key = 'sleep'") ==
           "held off (systemd-inhibit)");
-    CHECK_THAT(desk.session->program().error(),
-               Catch::Matchers::Contains("has no watchdog of its own"));
+    CHECK_THAT(desk.session->program().error(), Has("has no watchdog of its own"));
     REQUIRE(desk.feel());
     const bool spared = desk.session->ask(
                             "SELECT value LIKE 'spared%' FROM session_provenance WHERE key = "

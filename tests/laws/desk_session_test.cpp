@@ -3,9 +3,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 // The experimenter's desk while the shipped program runs a session in a window: what its chords
 // leave in the database, and that nothing begins without a press.
 
@@ -19,8 +16,7 @@ public:
         : session_(run_words(write(folder, protocol),
                              "P1",
                              folder.file("d.sqlite"),
-                             {"--device", device, "--kind", "pilot"}),
-                   folder.file("d.sqlite")) {}
+                             {"--device", device, "--kind", "pilot"})) {}
 
     void at(const std::string& screen, const std::string& key) {
         session_.wait_for_screen(screen);
@@ -35,6 +31,11 @@ public:
             }
         }
         FAIL("the screen \"" << screen << "\" stays");
+    }
+    void go_through(std::initializer_list<const char*> screens) {
+        for (const char* screen : screens) {
+            at(screen, "space");
+        }
     }
     void pause_at(const std::string& screen) {
         session_.wait_for_screen(screen);
@@ -157,8 +158,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     desk.wait_for(kMarked, 1);
     desk.session().wait_for_text("trial 1 of 4 #1 is marked: it does not count and runs again");
 
-    desk.at("ready", "space");
-    desk.at("explore", "space");
+    desk.go_through({"ready", "explore"});
     desk.mark_at("question");
     desk.pause_at("question");
     desk.pause_at("question");  // not after all
@@ -166,8 +166,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     desk.wait_for(kMarked, 2);
     desk.stays_ready();
 
-    desk.at("ready", "space");
-    desk.at("explore", "space");
+    desk.go_through({"ready", "explore"});
     desk.at("question", "2");
     desk.mark_at("break");
     desk.pause_at("break");
@@ -176,8 +175,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     desk.wait_for(kMarked, 3);
 
     while (desk.session().screen_name() == "ready") {  // each position, until it counts
-        desk.at("ready", "space");
-        desk.at("explore", "space");
+        desk.go_through({"ready", "explore"});
         desk.at("question", "1");
         desk.session().wait_past("gap");
         if (desk.session().screen_name() == "break") {
@@ -187,9 +185,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     }
     desk.mark_at("end");
     desk.at("end", "space");
-    const Finished end = desk.session().finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 0);
+    ended(desk.session().finish());
     CHECK(desk.session().ask(Desk::count("trial")) == "7");
     CHECK(desk.session().ask(Desk::count(kMarked)) == "3");
     CHECK(desk.session().ask(Desk::count("event WHERE event_kind = 'pause'")) == "4");
@@ -206,14 +202,12 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
     desk.pause_at("ready");
     desk.end_pause(1);
 
-    desk.at("ready", "space");
-    desk.at("explore", "space");
+    desk.go_through({"ready", "explore"});
     desk.session().wait_for_screen("ready");  // of the second interval: the trial has begun
     desk.pause_at("ready");
     pause(0.7);
     CHECK(desk.session().screen_name() == "ready");
-    desk.at("ready", "space");
-    desk.at("explore", "space");
+    desk.go_through({"ready", "explore"});
     desk.at("question", "1");
     desk.mark_at("confidence");
     desk.at("confidence", "2");

@@ -2,9 +2,6 @@
 #include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 std::string demo_hash(const std::string& file, const std::string& seed) {
@@ -31,25 +28,21 @@ TEST_CASE("same seed, same plan, same content: in two runs, and in every build",
 TEST_CASE("a wall clock that jumps by days while a session runs changes nothing but its dates",
           "[determinism][law]") {
     const TemporaryFolder folder;
-    const auto hash = [&](const std::string& file, const std::vector<std::string>& environment) {
-        const Finished run = Process({palpate_program(), "demo", "--headless", "--speed", "20",
-                                      "--db", file, "--seed", "1"},
-                                     environment)
-                                 .wait();
-        CAPTURE(run.error);
-        REQUIRE(run.code == 0);
+    const auto hash = [&](const std::string& file, const Words& environment) {
+        ended(Process({palpate_program(), "demo", "--headless", "--speed", "20", "--db", file,
+                       "--seed", "1"},
+                      environment)
+                  .wait());
         ran({"verify", file});
         data::Database database(file, data::Access::read);
-        auto days = database.prepare("SELECT count(DISTINCT date(started_utc)) FROM trial");
-        REQUIRE(days.step());
+        auto days = database.first("SELECT count(DISTINCT date(started_utc)) FROM trial");
         CHECK((days.integer(0) > 2) == !environment.empty());
         return content_hash(database);
     };
     CHECK(hash(folder.file("a.sqlite"),
                {"LD_PRELOAD=" PALPATE_JUMPING_CLOCK, "ASAN_OPTIONS=verify_asan_link_order=0"}) ==
           hash(folder.file("b.sqlite"), {}));
-    data::Database(folder.file("a.sqlite"), data::Access::write)
-        .execute("UPDATE session SET started_utc = '2999-01-01T00:00:00Z'");
+    sql_edit(folder.file("a.sqlite"), "UPDATE session SET started_utc = '2999-01-01T00:00:00Z'");
     CHECK(sql_first(folder.file("a.sqlite"), "SELECT duration_s IS NULL FROM session_health") ==
           "1");  // set back: nobody knows how long it took
 }

@@ -1,5 +1,3 @@
-#include <csignal>
-
 #include <sys/resource.h>
 
 #include "ui/subject/answer_row.hpp"
@@ -9,8 +7,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using engine::Vec2;
 
 // The display of a session: one that a person sees, all of it in a real session, and what remains
@@ -18,16 +14,14 @@ using engine::Vec2;
 
 namespace {
 
-std::vector<std::string> words(const TemporaryFolder& folder,
-                               const std::string& protocol = kFourTrials) {
+Words words(const TemporaryFolder& folder, const std::string& protocol = kFourTrials) {
     return run_words(protocol, "P1", folder.file("d.sqlite"), {"--device", "mouse"});
 }
 
-Finished without_display(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), palpate_program());
+Finished without_display(const Words& arguments) {
     // Leaks of the desktop libraries that SDL tries are not ours to judge.
-    return Process(arguments, {"DISPLAY=:999", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER",
-                               "ASAN_OPTIONS=detect_leaks=0"})
+    return Process(command_of(arguments), {"DISPLAY=:999", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER",
+                                           "ASAN_OPTIONS=detect_leaks=0"})
         .wait();
 }
 
@@ -62,10 +56,10 @@ Forces forces_of(const std::string& file, std::int64_t trial) {
 TEST_CASE("a display that cannot be opened is said before anything is made, and fails the doctor",
           "[cli][window][law]") {
     const TemporaryFolder folder;
-    std::vector<std::string> sim = words(folder);
+    Words sim = words(folder);
     sim.back() = "sim";
     for (const auto& arguments :
-         {words(folder), sim, std::vector<std::string>{"demo", "--db", folder.file("d.sqlite")}}) {
+         {words(folder), sim, Words{"demo", "--db", folder.file("d.sqlite")}}) {
         const Finished run = without_display(arguments);
         check_end(run, 2, Has("DISPLAY is :999, and no display can be opened", "--headless"));
         CHECK(folder.names().empty());
@@ -74,13 +68,12 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
         without_display({"doctor", "--seconds", "0.05", "--db", folder.file("d.sqlite")});
     CHECK_THAT(doctor.out, Has("fail  display"));
     CHECK(doctor.code == 1);
-    sim.insert(sim.begin(), palpate_program());  // an empty driver is none, and not any
-    const Finished unseen = Process(sim, {"DISPLAY=:999", "WAYLAND_DISPLAY",
-                                          "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
-                                .wait();
+    const Finished unseen =  // an empty driver is none, and not any
+        Process(command_of(sim), {"DISPLAY=:999", "WAYLAND_DISPLAY",
+                                  "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
+            .wait();
     check_end(unseen, 2, Has("DISPLAY is :999, and no display can be opened"));
     CHECK(folder.names().empty());
-    sim.erase(sim.begin());
     sim.emplace_back("--headless");
     CHECK(without_display(sim).code == 0);
 }
@@ -92,9 +85,9 @@ TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, a
     for (const char* name : {"libSDL2-2.0.so.0", "libSDL2_ttf-2.0.so.0", "libmicrohttpd.so.12"}) {
         std::ofstream(broken.file(name)) << "no library";
     }
-    const auto without = [&](std::vector<std::string> arguments) {
-        arguments.insert(arguments.begin(), palpate_program());
-        return Process(arguments, {"LD_LIBRARY_PATH=" + broken.file(""), "SDL_VIDEODRIVER=dummy"})
+    const auto without = [&](const Words& arguments) {
+        return Process(command_of(arguments),
+                       {"LD_LIBRARY_PATH=" + broken.file(""), "SDL_VIDEODRIVER=dummy"})
             .wait();
     };
     check_end(without(words(folder)), 1,
@@ -105,7 +98,7 @@ TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, a
               Has("texts on a screen need SDL2_ttf", "install libsdl2-ttf-2.0-0"));
     CHECK(folder.names().empty());
     CHECK(without({"check", kFourTrials}).code == 0);
-    std::vector<std::string> sim = words(folder);
+    Words sim = words(folder);
     sim.back() = "sim";
     sim.emplace_back("--headless");
     CHECK(without(sim).code == 0);
@@ -121,12 +114,8 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
     Xvfb screen(800, 600, true);
     for (const auto& [number, why] :
          {std::pair{"3", "there are 2 (1: "}, std::pair{"2", "monitor 1 is at the same place"}}) {
-        std::vector<std::string> run = words(folder);
-        run.insert(run.begin(), palpate_program());
-        run.insert(run.end(), {"--monitor", number});
-        const Finished end = Process(run, {"DISPLAY=" + screen.display(), "WAYLAND_DISPLAY",
-                                           "SDL_VIDEODRIVER=x11", "ASAN_OPTIONS=detect_leaks=0"})
-                                 .wait();
+        const Words run = joined(command_of(words(folder)), {"--monitor", number});
+        const Finished end = Process(run, shown_on(screen.display())).wait();
         check_end(end, 2, Has(why, "800 x 600 at (0, 0)"));
     }
     CHECK(folder.names().empty());
@@ -148,15 +137,12 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
                                  Place{{800, 600, true}, false, {0, 0, 1024, 768}},
                                  Place{{3840, 2160}, false, {0, 0, 3840, 2160}},
                                  Place{{3840, 2160}, true, {480, 270, 2880, 1620}});
-    std::vector<std::string> run = words(folder, folder.file("p.toml"));
-    run.insert(run.end(), {"--kind", "real"});
+    Words run = joined(words(folder, folder.file("p.toml")), {"--kind", "real"});
     if (place.windowed) {
         run.emplace_back("--windowed");
     }
-    WindowSession session(run, folder.file("d.sqlite"), {}, place.screen);
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    WindowSession session(run, {}, place.screen);
+    session.go_through({"welcome", "ready", "explore"});
     const XHand::Window window = session.wait_for_screen("question");
     CHECK(std::vector<int>{window.x, window.y, window.width, window.height} == place.window);
     const ui::Card card = ui::lay_out_cards(2, size_of(window)).back();
@@ -169,8 +155,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
     }
     session.wait_until("SELECT input || chosen_place FROM response",
                        place.screen.second ? "key1" : "mouse1");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE(
@@ -179,7 +164,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const WindowSession::Screen screen =
         GENERATE(WindowSession::Screen{1280, 800}, WindowSession::Screen{800, 600});
-    WindowSession session(words(folder), folder.file("d.sqlite"), {}, screen);
+    WindowSession session(words(folder), {}, screen);
     // Where it stands is the window manager's, and there is none here.
     const auto is = [&](int width, int height) {
         return eventually([&] {
@@ -195,24 +180,20 @@ TEST_CASE(
     session.hand().frame(window, 30, 30, 30, 30);
     pause(0.5);
     CHECK(is(screen.width - 3, screen.height - 25));
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("when the display dies the force ends, the trial is kept, and the same command goes on",
           "[long][window][fault][law]") {
-    const std::string where = GENERATE("explore", "question", "break");
-    CAPTURE(where);
+    EACH(where, as<std::string>{}, "explore", "question", "break");
     const TemporaryFolder folder;
     std::string text = replaced(slurp(kFourTrials), "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
-    std::vector<std::string> run = words(folder, folder.file("p.toml"));
-    run.insert(run.end(), {"--kind", "pilot"});
+    const Words run = joined(words(folder, folder.file("p.toml")), {"--kind", "pilot"});
     const std::string file = folder.file("d.sqlite");
     {
-        WindowSession session(run, file);
-        session.press_at("welcome", "space");
-        session.press_at("ready", "space");
+        WindowSession session(run);
+        session.go_through({"welcome", "ready"});
         const XHand::Window window = session.wait_for_screen("explore");
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
         for (const double y : {0.050, 0.045, 0.041, 0.039, 0.0385, 0.038}) {  // onto the vertex
@@ -240,12 +221,11 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     CHECK(forces.largest > 0.5);
     CHECK(forces.last == 0.0);
     ran({"verify", file});
-    WindowSession again(run, file);
+    WindowSession again(run);
     again.wait_for_text("Resuming at trial");
     again.press_at("welcome", "space");
     again.wait_for_screen("ready");
-    again.program().signal(SIGTERM);
-    CHECK(again.finish().code == 3);
+    CHECK(again.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE(
@@ -253,10 +233,9 @@ TEST_CASE(
     "come",
     "[window][fault][law]") {
     const TemporaryFolder folder;
-    std::vector<std::string> run = words(folder);
-    run.insert(run.end(), {"--kind", "pilot"});
+    const Words run = joined(words(folder), {"--kind", "pilot"});
     std::signal(SIGXFSZ, SIG_IGN);  // the program inherits it
-    WindowSession session(run, folder.file("d.sqlite"));
+    WindowSession session(run);
     std::signal(SIGXFSZ, SIG_DFL);
     session.press_at("welcome", "space");
     session.wait_for_screen("ready");

@@ -1,12 +1,6 @@
-#include <csignal>
-
 #include "engine/device/drivers/haply_wire.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -28,21 +22,18 @@ TEST_CASE(
         CAPTURE(doctor.out, doctor.error);
         std::ofstream(folder.file("doctor.json")) << doctor.out;
         CHECK(Process({"python3", "-m", "json.tool", folder.file("doctor.json")}).wait().code == 0);
-        const Finished read =
-            Process({"python3", folder.file("reader.py"), folder.file("doctor.json")}).wait();
-        CAPTURE(read.error);
-        REQUIRE(read.code == 0);
+        const Finished read = ended(
+            Process({"python3", folder.file("reader.py"), folder.file("doctor.json")}).wait());
         CHECK(doctor.code == (read.out == "0\n" ? 0 : 1));
     }
-    CHECK(folder.names() == std::vector<std::string>{"doctor.json", "reader.py"});
+    CHECK(folder.names() == Words{"doctor.json", "reader.py"});
 }
 
 TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many",
           "[cli][doctor]") {
-    const TemporaryFolder folder;
-    const Finished doctor =
-        palpate_command({"doctor", "--seconds", "0.1", "--device", "mouse", "--protocol",
-                         "shape_friction_demo", "--db", folder.file("d.sqlite")});
+    const TemporaryFile file("d.sqlite");
+    const Finished doctor = palpate_command({"doctor", "--seconds", "0.1", "--device", "mouse",
+                                             "--protocol", "shape_friction_demo", "--db", file});
     CHECK(doctor.error.empty());
     CHECK_THAT(doctor.out, Has("device ", "jitter ", " to look at, "));
     CHECK(doctor.out.find_first_of("owf") == 0);
@@ -50,20 +41,19 @@ TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many
 
 TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other",
           "[cli][doctor][law]") {
-    const TemporaryFolder folder;
+    const TemporaryFile file("d.sqlite");
     const auto [device, environment, status, code] =
         GENERATE(table<std::string, std::string, std::string, int>(
             {{"mouse", "SDL_VIDEODRIVER", "fail", 2},
              {"mouse", "SDL_VIDEODRIVER=dummy", "warn", 3},  // a window that nobody sees
              {"sim", "SDL_VIDEODRIVER", "warn", 3}}));
     CAPTURE(device, environment);
-    const std::vector<std::string> none{"DISPLAY", "WAYLAND_DISPLAY", environment};
-    Process doctor({palpate_program(), "doctor", "--seconds", "0.05", "--device", device, "--db",
-                    folder.file("d.sqlite")},
-                   none);
+    const Words none{"DISPLAY", "WAYLAND_DISPLAY", environment};
+    Process doctor(
+        {palpate_program(), "doctor", "--seconds", "0.05", "--device", device, "--db", file}, none);
     CHECK_THAT(doctor.wait().out, Has(status + "  display "));
     Process run({palpate_program(), "run", "shape_friction_demo", "--participant", "P1", "--device",
-                 device, "--db", folder.file("d.sqlite"), "--speed", "1"},
+                 device, "--db", file, "--speed", "1"},
                 none);
     CHECK(eventually(
         [&] { return !run.running() || run.out().find("If it ends early") != std::string::npos; }));
@@ -102,20 +92,20 @@ TEST_CASE(
     TypedTo calibrate(folder, "desk",
                       "calibrate --preset 2diy_gen3 --mark 0,70 --mark=-20,70 --device " +
                           board.word() + " -o '" + folder.file("desk.toml") + "'");
-    int brought = 0;
+    std::size_t brought = 0;
     CHECK(eventually([&] {
         const std::string out = calibrate.program().out();
         look();
-        if (times(out, "Bring the handle to") > brought) {
+        if (count_of(out, "Bring the handle to") > brought) {
             ++brought;
             board.bring(last_place(out));
             calibrate.type("");
             // A hand that does not wait: this mark is asked for again.
             for (int k = 0; brought == 1 && k < 20; ++k) {
                 board.bring(k % 2 == 0 ? "0,60" : "0,65");
-                brought += times(calibrate.program().out(), "Bring the handle to") - 1;
+                brought += count_of(calibrate.program().out(), "Bring the handle to") - 1;
             }
-            brought = times(out, "Bring the handle to");
+            brought = count_of(out, "Bring the handle to");
         }
         return !calibrate.program().running();
     }));
@@ -129,8 +119,8 @@ TEST_CASE(
     // reset, which would leave it.
     board.bring("hold");
     const std::string file = folder.file("d.sqlite");
-    for (std::vector<std::string> opens :
-         {std::vector<std::string>{"doctor", "--seconds", "0.05", "--db", file},
+    for (const Words& opens :
+         {Words{"doctor", "--seconds", "0.05", "--db", file},
           {"run", "pilot", "--participant", "P1", "--kind", "pilot", "--db", file},
           {"calibrate", "--preset", "2diy_gen3", "--mark", "0,70", "--mark=-20,70", "-o",
            folder.file("marks.toml")}}) {
@@ -141,9 +131,8 @@ TEST_CASE(
             .write(reinterpret_cast<const char*>(left->view().data()),
                    static_cast<std::streamsize>(left->view().size()));
         REQUIRE(eventually([&] { return board.motors() != "0, 0"; }));
-        opens.insert(opens.begin(), palpate_program());
-        opens.insert(opens.end(), {"--device", board.word()});
-        Process program(opens, {"SDL_VIDEODRIVER=dummy"});
+        Process program(joined(command_of(opens), {"--device", board.word()}),
+                        {"SDL_VIDEODRIVER=dummy"});
         CHECK(eventually([&] { return board.motors() == "0, 0"; }));
         CHECK(eventually([&] {
             const std::string out = program.out();

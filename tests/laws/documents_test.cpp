@@ -1,11 +1,7 @@
 #include <cctype>
-#include <cstdlib>
 #include <regex>
 
 #include "tests/support/program.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 
@@ -13,7 +9,7 @@ namespace {
 
 const fs::path kRoot = PALPATE_SOURCE_DIR;
 
-std::vector<std::string> lines_of(const fs::path& file) {
+Words lines_of(const fs::path& file) {
     return lines_in(slurp(file));
 }
 
@@ -32,23 +28,6 @@ bool is_fence(const std::string& line) {
            line.compare(line.find_first_not_of(' '), 3, "```") == 0;
 }
 
-/// What follows `open` up to `close`, every time.
-std::vector<std::string> between(const std::string& text,
-                                 const std::string& open,
-                                 const std::string& close) {
-    std::vector<std::string> found;
-    for (std::size_t at = text.find(open); at != std::string::npos;) {
-        const std::size_t begin = at + open.size();
-        const std::size_t end = text.find(close, begin);
-        if (end == std::string::npos) {
-            break;
-        }
-        found.push_back(text.substr(begin, end - begin));
-        at = text.find(open, end + close.size());
-    }
-    return found;
-}
-
 /// A page's text without its fenced blocks, one line.
 std::string prose_of(const fs::path& page) {
     std::string text;
@@ -61,8 +40,8 @@ std::string prose_of(const fs::path& page) {
 }
 
 /// Lines of a page's fenced blocks of shell commands, without comments and prompts.
-std::vector<std::string> shell_lines(const fs::path& page) {
-    std::vector<std::string> found;
+Words shell_lines(const fs::path& page) {
+    Words found;
     bool fenced = false;
     bool shell = false;
     for (const std::string& line : lines_of(page)) {
@@ -110,9 +89,9 @@ std::string help_of(const std::string& command) {
 }
 
 /// The words behind "palpate" in a command, up to a pipe or a redirection.
-std::vector<std::string> words_of(const std::string& command) {
+Words words_of(const std::string& command) {
     std::istringstream stream(command);
-    std::vector<std::string> words;
+    Words words;
     for (std::string word; stream >> word && word != "|" && word != ">" && word != "&&";) {
         words.push_back(word);
     }
@@ -120,7 +99,7 @@ std::vector<std::string> words_of(const std::string& command) {
 }
 
 /// Looks up a command and its options in the program's own help.
-void check_command(const std::vector<std::string>& words) {
+void check_command(const Words& words) {
     const std::string& command = words.front();
     const std::string help = help_of(command);
     CHECK_FALSE(help.empty());
@@ -138,11 +117,6 @@ void check_command(const std::vector<std::string>& words) {
                            help.find(',' + option + '\n') != std::string::npos;
         CHECK((!is_option || known));
     }
-}
-
-/// The part of docs/protocol.md that is not written by hand.
-std::string keys_of_the_program() {
-    return palpate_command({"new", "--keys", "--markdown"}).out;
 }
 
 /// Words that the launcher answers by itself.
@@ -189,7 +163,7 @@ TEST_CASE("README fits into 150 lines, and says near its top that nothing was tr
 TEST_CASE("every command that a document shows exists, with every option", "[documents][law]") {
     int commands = 0;
     for (const fs::path& page : pages()) {
-        std::vector<std::string> shown = shell_lines(page);
+        Words shown = shell_lines(page);
         for (const std::string& code : between(prose_of(page), "`", "`")) {
             // `run --durable` says less, and means the same.
             const auto words = words_of(code);
@@ -243,12 +217,9 @@ TEST_CASE(
             line += line.find(command) == std::string::npos ? "" : " --kind simulated";
         }
         CAPTURE(line);
-        const Finished done =
-            Process(
-                {"sh", "-c", "cd '" + folder.path().string() + "' && RIG=--headless && " + line})
-                .wait();
-        CAPTURE(done.out, done.error);
-        CHECK(done.code == 0);
+        ended(Process(
+                  {"sh", "-c", "cd '" + folder.path().string() + "' && RIG=--headless && " + line})
+                  .wait());
     };
     int steps = 0;
     for (auto line = first; line != lines.end(); ++line) {
@@ -293,9 +264,7 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
             if (query && (!extension || others_load_extension())) {
                 CAPTURE(page, line);
                 const std::string there = "cd '" + folder.path().string() + "' && " + line;
-                const Finished answer = Process({"sh", "-c", there}).wait();
-                CAPTURE(answer.error);
-                CHECK(answer.code == 0);
+                const Finished answer = ended(Process({"sh", "-c", there}).wait());
                 CHECK(answer.error.empty());
             }
         }
@@ -331,9 +300,9 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
 
 TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
     // From the top of the drawing down; the lists of CMake go up.
-    std::vector<std::string> drawn;
+    Words drawn;
     for (const std::string& line : lines_of(kRoot / "docs" / "architecture.md")) {
-        for (const std::string& bar : std::vector<std::string>{"┌─ ", "├─ ", "│ "}) {
+        for (const std::string& bar : Words{"┌─ ", "├─ ", "│ "}) {
             if (line.rfind(bar, 0) == 0 &&
                 std::islower(static_cast<unsigned char>(line[bar.size()])) != 0) {
                 drawn.push_back(words_of(line.substr(bar.size())).front());
@@ -343,7 +312,7 @@ TEST_CASE("the drawing of the house has every folder of every room, in order", "
             break;
         }
     }
-    std::vector<std::string> built;
+    Words built;
     for (const char* room : {"engine", "stimuli", "protocols", "data", "ui"}) {
         for (const std::string& line : lines_of(kRoot / room / "CMakeLists.txt")) {
             if (line.rfind("palpate_folder(", 0) == 0) {
@@ -368,7 +337,7 @@ TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents]
     const std::string whole =
         by_hand +
         "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
-        keys_of_the_program();
+        palpate_command({"new", "--keys", "--markdown"}).out;
     CHECK_THAT(whole, Has("| `mu_s` |  |", "| `damping_1_mn_m_s` | mN m s |"));
     if (std::getenv("PALPATE_WRITE_DOCS") != nullptr) {
         std::ofstream(page) << whole;

@@ -4,13 +4,10 @@
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 
@@ -357,7 +354,7 @@ void run(std::uint64_t seed, Tally& tally) {
 TEST_CASE("no injected fault gets a force above the limit, stays unlatched or unrecorded",
           "[safety][law]") {
     Tally tally;
-    for (const std::uint64_t seed : tests::schedules(tests::cases(10'000))) {
+    for (const std::uint64_t seed : schedules(cases(10'000))) {
         run(seed, tally);
     }
     CAPTURE(tally.schedules, tally.tripped, tally.worst);

@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/servo.hpp"
 #include "engine/rendering/scene.hpp"
@@ -8,9 +6,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

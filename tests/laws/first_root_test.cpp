@@ -6,7 +6,6 @@
 // further: scenes in which earlier walks of ours went wrong, two or three ticks each, with the
 // place that the exact law gives. Some of their outlines cross themselves, which `palpate render`
 // refuses: the engine is asked.
-using namespace palpate;
 
 namespace {
 
@@ -18,9 +17,9 @@ double number(const Row& row, const std::string& name) {
 
 /// The answer of a tick of a path.
 engine::Contact felt(const std::string& file, std::size_t tick) {
-    const protocols::SceneFile scene = protocols::parse_scene(
-        tests::slurp(file + ".toml"), file + ".toml", protocols::Crossings::taken);
-    const std::vector<Row> path = tests::csv_records(tests::slurp(file + ".csv"));
+    const protocols::SceneFile scene =
+        protocols::parse_scene(slurp(file + ".toml"), file + ".toml", protocols::Crossings::taken);
+    const std::vector<Row> path = csv_records(slurp(file + ".csv"));
     const double period = path.size() > 1 ? number(path[1], "t_s") - number(path[0], "t_s") : 0.001;
     const engine::Scene felt(std::make_shared<const engine::Outline>(protocols::outline_of(scene)),
                              protocols::spec_of(scene, period));
@@ -37,7 +36,7 @@ engine::Contact felt(const std::string& file, std::size_t tick) {
 TEST_CASE("the god-object stops at the first place in its cone, in the scenes that were hardest",
           "[friction][law]") {
     const std::string folder = PALPATE_SOURCE_DIR "/tests/golden/first_root/";
-    const std::vector<Row> cases = tests::csv_records(tests::slurp(folder + "expected.csv"));
+    const std::vector<Row> cases = csv_records(slurp(folder + "expected.csv"));
     REQUIRE(cases.size() >= 18);
     for (const Row& expected : cases) {
         const std::string& scene = expected.at("scene");

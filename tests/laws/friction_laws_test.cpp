@@ -1,8 +1,4 @@
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -55,7 +51,7 @@ std::string scene_of(const LawText& law, bool convex) {
         law.word, law.keys, curvature, curvature);
 }
 
-using Rows = std::vector<std::vector<std::string>>;
+using Rows = std::vector<Words>;
 
 Rows asked(const std::string& file, const std::string& query) {
     return csv_body(sql_csv(file, query));
@@ -111,8 +107,7 @@ TEST_CASE(
 
 TEST_CASE("check says which laws creep, chatter or are not passive, and refuses what diverges",
           "[friction][cli]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("laws.toml");
+    const TemporaryFile file("laws.toml");
     std::ofstream(file) << protocol_of(5, 9);
     const Finished check = ran({"check", file});
     CHECK_THAT(check.out, Has("\"stribeck\": the law stribeck (Stribeck 1902) creeps "

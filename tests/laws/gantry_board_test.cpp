@@ -1,16 +1,10 @@
-#include <csignal>
-#include <cstdlib>
-
 #include "protocols/library/shipped.hpp"
-#include "data/store/database.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/window_session.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // The shipped program on a board of three axes, its firmware behind a pseudo-terminal, from
 // outside.
@@ -25,12 +19,12 @@ std::string two_patches(int repetitions) {
     std::string text = short_text("patch_friction", {});
     const std::size_t concave = text.find("[[object]]\nname = \"concave\"");
     text.erase(concave, text.find("[[friction]]\nname = \"on\"") - concave);
-    return tests::edited(text, {{"repetitions = 5", "repetitions = " + std::to_string(repetitions)},
-                                {"max_run_friction = 3", "max_run_friction = 0"},
-                                {"practice_repetitions = 1", "practice_repetitions = 0"},
-                                {"explore_min_s = 2", "explore_min_s = 0.5"},
-                                {"gap_s = 1.5", "gap_s = 0"},
-                                {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
+    return edited(text, {{"repetitions = 5", "repetitions = " + std::to_string(repetitions)},
+                         {"max_run_friction = 3", "max_run_friction = 0"},
+                         {"practice_repetitions = 1", "practice_repetitions = 0"},
+                         {"explore_min_s = 2", "explore_min_s = 0.5"},
+                         {"gap_s = 1.5", "gap_s = 0"},
+                         {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
 }
 
 /// The emulated board, typed to, and a session in a window on it.
@@ -41,11 +35,9 @@ struct Desk {
         emulator.type("motors");
         REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
         write(folder.file("p.toml"), two_patches(repetitions));
-        session =
-            std::make_unique<WindowSession>(run_words(folder.file("p.toml"), "P1", file,
-                                                      {"--device", "board:" + folder.file("board"),
-                                                       "--calibration", kGantry, "--windowed"}),
-                                            file);
+        session = std::make_unique<WindowSession>(run_words(
+            folder.file("p.toml"), "P1", file,
+            {"--device", "board:" + folder.file("board"), "--calibration", kGantry, "--windowed"}));
         session->press_at("welcome", "space");
     }
     [[nodiscard]] std::string emulated(const std::string& wired) const {
@@ -132,12 +124,10 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
     // HIP is computed again from the counts: with another drum they say another place.
     const std::string other = desk.folder.file("other.sqlite");
     std::filesystem::copy_file(file, other);
-    data::Database(other, data::Access::write)
-        .execute(
-            "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
-            "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
-    const Finished differs = ran({"verify", other}, 1);
-    CHECK_THAT(differs.out, Has("trace.hip"));
+    sql_edit(other,
+             "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
+             "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
+    CHECK_THAT(ran({"verify", other}, 1).out, Has("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'board' AND value LIKE 'id %, "
               "firmware %, protocol 1.%'") == "1");
@@ -194,10 +184,9 @@ TEST_CASE("a board of three axes that is gone under a force ends the trial, and 
 
 TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
           "[window][open][gantry][safety][law]") {
-    const TemporaryFolder folder;
-    write(folder.file("wired.toml"),
-          replaced(slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
-    Desk desk(folder.file("wired.toml"));
+    const TemporaryFile file("wired.toml");
+    write(file, replaced(slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
+    Desk desk(file);
     CHECK(desk.ends_by("'runaway', 'energy', 'over_speed'", 1200));
     CHECK(desk.force_ends());
     desk.kill();
@@ -223,7 +212,7 @@ TEST_CASE(
     "what a machine of three axes cannot do is refused with a sentence, before a file is made",
     "[open][gantry]") {
     const TemporaryFolder folder;
-    const auto refused = [&](const std::vector<std::string>& words) {
+    const auto refused = [&](const Words& words) {
         const Finished done = ran(words, 2);
         return done.error;
     };

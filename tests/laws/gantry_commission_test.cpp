@@ -1,12 +1,6 @@
-#include <csignal>
-
 #include "data/store/database.hpp"
-#include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // Three axes from the box to their first session, by the shipped program, seen from outside.
 
@@ -100,8 +94,7 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
 TEST_CASE("commissioning of three axes that is stopped or killed leaves no force and no file",
           "[commission][open][gantry][safety][law]") {
     const TemporaryFolder folder;
-    const int signal = GENERATE(SIGINT, SIGTERM, SIGKILL);
-    CAPTURE(signal);
+    EACH(signal, SIGINT, SIGTERM, SIGKILL);
     FreeBoard board(folder, board_words(kExample));
     board.bring("friction 0.6");  // pushed in vain for a while
     const std::string file = folder.file("rig.toml");
@@ -109,14 +102,14 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
     for (int attempt = 0; attempt < 8 && !pushed; ++attempt) {
         board.bring(kAtHome);
         TypedTo program(folder, fmt::format("proof{}", attempt), proving(board, file));
-        int brought = 0;
+        std::size_t brought = 0;
         CHECK(eventually([&] {
             const std::string out = program.program().out();
-            if (times(out, "Type yes:") > 0 && brought == 0) {
+            if (count_of(out, "Type yes:") > 0 && brought == 0) {
                 brought = 1;
                 program.type("yes");
             }
-            if (times(out, "Bring the handle to") >= brought && brought > 0 && brought < 4) {
+            if (count_of(out, "Bring the handle to") >= brought && brought > 0 && brought < 4) {
                 board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
                 program.type("");
                 ++brought;
@@ -168,9 +161,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(refused(kExample), Has("no real session: nobody proved how --device",
                                       "--moved-g X_G,Y_G,Z_G -o rig.toml"));
     const std::string file = folder.file("rig.toml");
-    const Finished proved = operated(folder, board, proving(board, file), kAtHome);
-    CAPTURE(proved.out, proved.error);
-    REQUIRE(proved.code == 0);
+    ended(operated(folder, board, proving(board, file), kAtHome));
     CHECK(board.motors() == "0, 0, 0");
     protocols::RigFile rig = protocols::load_rig(file);
     REQUIRE(rig.record);
@@ -193,15 +184,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
 
     const Xvfb screen(1280, 800);
     XHand hand(screen.display());
-    std::unique_ptr<TypedTo> typed;
-    for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
-        board.bring(kAtHome);
-        typed = std::make_unique<TypedTo>(
-            folder, fmt::format("run{}", attempt), session(file),
-            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
-                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-        operate(*typed, board, "If it ends early");
-    }
+    const auto typed = opened_session(folder, board, screen, session(file), kAtHome);
     INFO(typed->program().error());
     hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
     board.bring(kAtHome);
@@ -216,13 +199,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
         pause(0.05);
     }
     CHECK(felt);
-    for (int i = 0; i < 40 && typed->program().running(); ++i) {
-        hand.focus(hand.find_window("palpate: "));
-        hand.chord("q");
-        pause(0.2);
-        hand.key("y");
-        pause(0.2);
-    }
+    end_session(hand, *typed);
     const Finished end = typed->program().wait();
     CHECK(end.code == 3);
     CHECK(board.motors() == "0, 0, 0");
@@ -236,7 +213,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(row.text(1), Has("second mark met to "));
     REQUIRE(row.step());
     CHECK(row.text(0) == "rig check");
-    CHECK(times(row.text(1), " % at ") == 6);
+    CHECK(count_of(row.text(1), " % at ") == 6);
     CHECK(row.text(2) == "real");
     ran({"verify", db});
 
@@ -259,20 +236,15 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
 TEST_CASE("what moves is weighed in the words of its kind of machine, or named and refused",
           "[commission][gantry]") {
     const TemporaryFolder folder;
-    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
-        std::vector<std::string> all{"commission", "-o", folder.file("rig.toml")};
-        all.insert(all.end(), words.begin(), words.end());
+    const auto refused = [&](const Words& words, const std::string& why) {
+        const Words all = joined({"commission", "-o", folder.file("rig.toml")}, words);
         CAPTURE(words);
-        const Finished end = ran(all, 2);
-        CHECK_THAT(end.error, Has(why));
+        CHECK_THAT(ran(all, 2).error, Has(why));
         CHECK(folder.names().empty());
     };
-    const std::vector<std::string> straight{"--device", "board:/dev/none", "--calibration",
-                                            kExample};
+    const Words straight{"--device", "board:/dev/none", "--calibration", kExample};
     const auto with = [&](const std::string& option, const std::string& value) {
-        std::vector<std::string> words = straight;
-        words.insert(words.end(), {option, value});
-        return words;
+        return joined(straight, {option, value});
     };
     refused(straight, "gantry has three axes: give --moved-g, what the motors");
     refused(with("--handle-g", "60"), "--handle-g 60 is of a linkage, and gantry has three axes");

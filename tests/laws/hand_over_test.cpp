@@ -1,9 +1,6 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 /// What SQL says, without its head.
@@ -62,8 +59,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         CHECK(lines_in(r.out).back() + '\n' == wanted);
         CHECK_THAT(r.out, Has("smooth rough\n"));
     } else {
-        CHECK(Process({"Rscript", "-e", "1"}).wait().code != 0);  // else the script is wrong
-        WARN("R is not installed: skipped");
+        CHECK_FALSE(has_r());  // else the script is wrong
     }
     bool pandas = false;
     for (const char* python : {"python3", "/usr/bin/python3"}) {
@@ -71,16 +67,14 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
             continue;
         }
         pandas = true;
-        const Finished py =
+        const Finished py = ended(
             Process({"sh", "-c",
                      "cd '" + out + "' && " + python +
                          " -c \"import analysis as a; print(*a.main.friction.cat.categories, sep=' "
                          "', end='|'); print(*a.main.planned_object.cat.categories, sep=' ', "
                          "end='|'); print(*a.trials.session_kind.cat.categories, sep=' ', "
                          "end='|'); print(len(a.main), int(a.main.correct.sum()), sep='|')\""})
-                .wait();
-        CAPTURE(py.error);
-        REQUIRE(py.code == 0);
+                .wait());
         CHECK(lines_in(py.out).back() + '\n' == wanted);
     }
     if (!pandas) {
@@ -112,9 +106,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
             WARN("not installed: skipped");
             continue;
         }
-        const Finished ran = Process({"sh", "-c", "cd '" + out + "' && " + run}).wait();
-        CAPTURE(ran.out, ran.error);
-        REQUIRE(ran.code == 0);
+        const Finished ran = ended(Process({"sh", "-c", "cd '" + out + "' && " + run}).wait());
         CHECK_THAT(ran.out,
                    Has("fourtrials, simulated:\n", "asked, simulated: no answer is right or wrong",
                        "mean answer_code", "concave") &&
@@ -176,10 +168,11 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         CHECK_THAT(slurp(folder.file(named)), !Has("Ada"));
     }
     const TemporaryFolder other;
-    const Finished none = ran(
-        {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")},
-        2);
-    CHECK_THAT(none.error, Has("no session has two-interval or yes-no answers"));
+    CHECK_THAT(ran({"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o",
+                    other.file("q")},
+                   2)
+                   .error,
+               Has("no session has two-interval or yes-no answers"));
     CHECK_FALSE(std::filesystem::exists(other.file("q")));
 }
 
@@ -207,11 +200,7 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         CHECK(rows[0].starts_with("trials.thisN,trials.thisRepN,trials.thisIndex,phase,"));
         REQUIRE(rows.size() == wanted.size() + 1);
         for (std::size_t i = 0; i < wanted.size(); ++i) {
-            std::string plain = wanted[i];
-            for (std::size_t at = plain.find("\"\""); at != std::string::npos;
-                 at = plain.find("\"\"")) {
-                plain.erase(at, 2);
-            }
+            const std::string plain = all_replaced(wanted[i], "\"\"", "");
             CHECK_THAT(rows[i + 1], Has(plain + ',', "," + subject + ",1,four_trials"));
         }
     }

@@ -6,7 +6,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 using palpate::protocols::load_calibration;
 
 // Calibration file -> emulated machine -> board -> bytes -> driver -> HIP. Expected is where the
@@ -62,8 +61,7 @@ TEST_CASE(
 
 TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all through its round",
           "[laws][haply][law]") {
-    const std::string name = GENERATE("haplet", "2diy_gen2", "2diy_gen3");
-    CAPTURE(name);
+    EACH(name, as<std::string>{}, "haplet", "2diy_gen2", "2diy_gen3");
     const Calibration machine = load_calibration(name);
     const Pantograph pantograph(machine.pantograph);
     DeskHand hand(machine);
@@ -97,8 +95,7 @@ TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all th
 TEST_CASE(
     "over a real port the simulated hand of the demo is found at the start of each exploration",
     "[laws][haply][law]") {
-    const std::string name = GENERATE("haplet", "2diy_gen2", "2diy_gen3");
-    CAPTURE(name);
+    EACH(name, as<std::string>{}, "haplet", "2diy_gen2", "2diy_gen3");
     Calibration machine = load_calibration(name);
     machine.home = Exploration{}.start;
     const Pantograph pantograph(machine.pantograph);

@@ -1,8 +1,3 @@
-#include <csignal>
-#include <cstdlib>
-
-#include <unistd.h>
-
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -13,14 +8,12 @@
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate::tests;
 namespace engine = palpate::engine;
 namespace protocols = palpate::protocols;
 
 TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is interrupted",
           "[laws][haply]") {
-    const TemporaryFolder folder;
-    const std::string link = folder.file("board");
+    const TemporaryFile link("board");
     Process emulator(
         {palpate_program(), "haply-emulator", "--link", link, "--preset", "2diy_gen2"});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
@@ -57,8 +50,7 @@ TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how lo
           "[laws][haply][doctor]") {
     const TemporaryFolder folder;
     const std::string link = folder.file("board");
-    const std::string delay = GENERATE("0", "0.3", "1", "2");
-    CAPTURE(delay);
+    EACH(delay, as<std::string>{}, "0", "0.3", "1", "2");
     const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
                             "2diy_gen3", "--delay-ms", delay});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
@@ -124,12 +116,12 @@ TEST_CASE("who had the port open before is named and left as it was, and nothing
         out = said();  // the shell may not have come to its sleep
     }
     CHECK_THAT(out, Has("is in use by another program, sleep (process "));
-    for (std::vector<std::string> begins :
+    for (const Words& begins :
          {run_words("pilot", "P1", folder.file("d.sqlite"), {"--windowed", "--kind", "pilot"}),
-          {"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
-        begins.insert(begins.begin(), palpate_program());
-        begins.insert(begins.end(), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});
-        const Finished beside = Process(begins, {"SDL_VIDEODRIVER=dummy"}).wait();
+          Words{"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
+        const Words words =
+            joined(command_of(begins), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});
+        const Finished beside = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
         CAPTURE(begins, beside.out, beside.error);
         CHECK(beside.code == 1);
         CHECK_THAT(on_one_line(beside.error), Has("in use by another program, sleep"));
@@ -140,8 +132,7 @@ TEST_CASE("who had the port open before is named and left as it was, and nothing
     stranger.signal(SIGKILL);
     CHECK(stranger.wait().code != 0);
     CHECK_THAT(said(), !Has("in use by another program"));
-    emulator.signal(SIGINT);
-    CHECK(emulator.wait().code == 0);
+    CHECK(emulator.ended_by(SIGINT) == 0);
 }
 
 TEST_CASE("the guard goes into a control group of its own where systemd grants one, else stays",
@@ -171,8 +162,7 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
                    Has("its guard has a control group of its own"));
         CHECK(eventually([&] { return std::filesystem::remove(group, error); }));
     }
-    emulator.signal(SIGINT);
-    CHECK(emulator.wait().code == 0);
+    CHECK(emulator.ended_by(SIGINT) == 0);
 }
 
 TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise",
@@ -190,17 +180,11 @@ TEST_CASE("a session on an emulated board is simulated unless --kind says otherw
         palpate::data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
     }
-    const auto refused = [&](const std::vector<std::string>& kind) {
-        std::vector<std::string> words{palpate_program(),
-                                       "run",
-                                       folder.file("small.toml"),
-                                       "--participant",
-                                       "P01",
-                                       "--db",
-                                       file,
-                                       "--device",
-                                       "haply:" + link};
-        words.insert(words.end(), kind.begin(), kind.end());
+    const auto refused = [&](const Words& kind) {
+        const Words words =
+            joined({palpate_program(), "run", folder.file("small.toml"), "--participant", "P01",
+                    "--db", file, "--device", "haply:" + link},
+                   kind);
         const Finished finished = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
         CHECK(finished.code == 2);
         return finished.error;

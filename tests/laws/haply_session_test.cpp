@@ -1,16 +1,12 @@
-#include <cstring>
-
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 // Whole sessions over an emulated board, in real time, with board and guard as processes of their
@@ -19,7 +15,7 @@ using namespace palpate::protocols;
 namespace {
 
 protocols::Protocol two_trials() {
-    protocols::Protocol protocol = tests::small_protocol();
+    protocols::Protocol protocol = small_protocol();
     protocol.id = "two";
     protocol.objects.erase(protocol.objects.begin() + 1);
     protocol.frictions.erase(protocol.frictions.begin());
@@ -37,7 +33,7 @@ struct Kept : protocols::Recorder {
         protocols::TrialResult result;
     };
     std::vector<Trial> trials;
-    std::vector<std::string> events;
+    Words events;
     bool finished = false;
 
     TrialId begin_trial(const protocols::PlannedTrial& planned) override {
@@ -86,7 +82,7 @@ public:
         }
         return view.solved ? std::optional(protocols::Signal::go_on) : std::nullopt;
     }
-    std::vector<std::string> sentences;
+    Words sentences;
 
 private:
     protocols::EmulatedHaplyApparatus* apparatus_;
@@ -110,14 +106,13 @@ int wrong_forces(const protocols::Protocol& protocol, const Kept::Trial& trial) 
 TEST_CASE(
     "a session over an emulated board ends with motors at zero, and goes on after an unplugging",
     "[laws][haply][law]") {
-    const bool unplugged = GENERATE(false, true);
-    CAPTURE(unplugged);
-    const tests::TemporaryFolder folder;
+    EACH(unplugged, false, true);
+    const TemporaryFile file("board");
     const protocols::Protocol protocol = two_trials();
-    const data::SessionSpec spec = tests::session_spec(protocol);
+    const data::SessionSpec spec = session_spec(protocol);
     protocols::EmulatedHaplyApparatus apparatus(
         protocol, protocols::DrawnHand(protocol, spec.protocol_hash, spec.key, spec.seed),
-        protocols::load_calibration("2diy_gen3"), 0.0, folder.file("board"));
+        protocols::load_calibration("2diy_gen3"), 0.0, file);
     Clumsy observer(protocol, spec, apparatus, unplugged);
     Kept kept;
     const auto end = protocols::run_session(

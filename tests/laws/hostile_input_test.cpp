@@ -1,20 +1,15 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using Catch::Matchers::Matches;
 
 namespace {
-
-using Words = std::vector<std::string>;
 
 std::string times(std::size_t n, const std::string& text) {
     std::string all;
@@ -60,8 +55,7 @@ std::vector<Words> readers(const std::string& toml, const std::string& csv) {
 
 TEST_CASE("TOML of any depth is refused at its place by every command that reads some",
           "[cli][law]") {
-    const int way = GENERATE(range(0, 6));
-    CAPTURE(way);
+    EACH(way, range(0, 6));
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
     write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");
@@ -73,7 +67,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
                    Matches(".*p\\.toml:" + place + ":[0-9]+: more than 16 levels.*\n",
                            Catch::CaseSensitive::Yes));
     }
-    CHECK(folder.names() == std::vector<std::string>{"p.csv", "p.toml"});
+    CHECK(folder.names() == Words{"p.csv", "p.toml"});
     write(file, deep(way, 14));  // which is only not what the file may say
     CHECK_THAT(palpate_command({"check", file}).error, !Has("levels"));
 }
@@ -149,7 +143,7 @@ TEST_CASE("what is no file is refused as a database by every command, at once", 
         }
     }
     close(socket_of);
-    CHECK(folder.names() == std::vector<std::string>{"pipe", "plug"});
+    CHECK(folder.names() == Words{"pipe", "plug"});
 }
 
 TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait", "[cli][law]") {
@@ -238,8 +232,8 @@ TEST_CASE("the numbers of a scene have an end, and up to there its forces are fi
             write(scene, text);
             const Finished felt = ran({"render", scene, folder.file("p.csv")}, code);
             if (code == 0) {
-                CHECK(felt.out.find("inf") == std::string::npos);
-                CHECK(felt.out.find("nan") == std::string::npos);
+                CHECK_THAT(felt.out, !Has("inf"));
+                CHECK_THAT(felt.out, !Has("nan"));
                 CHECK_THAT(felt.out, Has(",S"));
             } else {
                 CHECK_THAT(felt.error, Has(key + " is ", "1000000000"));

@@ -1,9 +1,7 @@
 #include "tests/laws/joint_rig.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::tests::joint;
-using palpate::tests::Random;
 
 namespace {
 

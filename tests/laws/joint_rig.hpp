@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/emulator/haply_board.hpp"

@@ -2,8 +2,6 @@
 #include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
 
-using namespace palpate;
-
 namespace {
 
 /// Places on a keyboard: evdev's number and 8.
@@ -21,18 +19,13 @@ TEST_CASE("answers and the experimenter's chords are heard on every keyboard lay
           "[window][law]") {
     const char* layout = GENERATE("cz", "ru");
     CAPTURE(layout);
-    const tests::TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    tests::WindowSession session({"run", tests::kFourTrials, "--participant", "P1", "--db", file,
-                                  "--device", "mouse", "--kind", "pilot"},
-                                 file);
+    const TemporaryFile file("d.sqlite");
+    WindowSession session({"run", kFourTrials, "--participant", "P1", "--db", file, "--device",
+                           "mouse", "--kind", "pilot"});
     session.wait_for_screen("welcome");
-    REQUIRE(
-        tests::Process({"setxkbmap", "-display", session.screen().display(), layout}).wait().code ==
-        0);
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    REQUIRE(Process({"setxkbmap", "-display", session.screen().display(), layout}).wait().code ==
+            0);
+    session.go_through({"welcome", "ready", "explore"});
     session.press_at("question", kDigit2);
     session.wait_until("SELECT chosen_place FROM response", "1");
     session.wait_for_screen("ready");

@@ -1,9 +1,5 @@
 #include "data/store/database.hpp"
 #include "tests/support/lab_files.hpp"
-#include "tests/support/program.hpp"
-
-using namespace palpate::tests;
-using Words = std::vector<std::string>;
 
 TEST_CASE("no table, order or reference of a lab's is in the way of a command", "[store][law]") {
     const LabFiles files;
@@ -35,8 +31,7 @@ TEST_CASE("no table, order or reference of a lab's is in the way of a command", 
                                 {"merge", merged, file},
                                 {"verify", file}}) {
             CAPTURE(sql, words.front());
-            const Finished done = ran(words);
-            CHECK(done.error.empty());
+            CHECK(ran(words).error.empty());
         }
     }
     // What cannot be done is said by name, and nothing is half done.

@@ -1,11 +1,6 @@
-#include <csignal>
-
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // What befalls a board and its wire while a session runs, done to the shipped program: an emulator
 // that is typed to, a window, and the file.
@@ -25,15 +20,14 @@ public:
         REQUIRE(eventually([&] { return std::filesystem::exists(folder_.file("board")); }));
         std::ofstream(folder_.file("p.toml"))
             << replaced(pressed_study(), "dead_man = true", "dead_man = false");
-        std::vector<std::string> words = run_words(
+        Words words = run_words(
             folder_.file("p.toml"), "P1", file(),
             {"--device", (open ? "board:" : "haply:") + folder_.file("board"), "--windowed"});
         if (!open) {
             words.insert(words.end(), {"--kind", "pilot"});
         }
-        session_ = std::make_unique<WindowSession>(words, file());
-        session_->press_at("welcome", "space");
-        session_->press_at("ready", "space");
+        session_ = std::make_unique<WindowSession>(words);
+        session_->go_through({"welcome", "ready"});
     }
 
     void type(const std::string& line) { board_.type(line); }
@@ -100,8 +94,7 @@ TEST_CASE(
     rig.type("delay 0");
     session.wait_until("SELECT count(*) FROM event WHERE event_kind = 'reconnect'", "1");
     CHECK(rig.feels());
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("a packet read as a reset, another program's torques and a turned angle end at zero",
@@ -121,8 +114,7 @@ TEST_CASE("a packet read as a reset, another program's torques and a turned angl
     rig.session().wait_for_screen("trouble");
     rig.type("stranger 200");  // while the session waits
     CHECK(rig.ends());
-    rig.session().program().signal(SIGTERM);
-    CHECK(rig.session().finish().code == 3);
+    CHECK(rig.session().program().ended_by(SIGTERM) == 3);
     CHECK(rig.ends());
 }
 

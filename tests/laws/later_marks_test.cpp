@@ -1,9 +1,6 @@
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
@@ -21,7 +18,7 @@ std::string verified_head(const std::string& file) {
     return verified.out.substr(at + 11, 64);
 }
 
-std::string said(const std::vector<std::string>& words) {
+std::string said(const Words& words) {
     return ran(words).out;
 }
 
@@ -33,8 +30,8 @@ public:
         heads.push_back(verified_head(before));
         data::Database(before, data::Access::write).checkpoint();
         std::filesystem::copy_file(before, after);
-        for (const std::vector<std::string>& words :
-             {std::vector<std::string>{"note", after, "hand rested", "--participant", "demo"},
+        for (const Words& words :
+             {Words{"note", after, "hand rested", "--participant", "demo"},
               {"mark", after, "2", "--invalid", "bell rang", "--operator", "Ada"},
               {"note", after, "left early", "--participant", "demo", "--operator", "Bo"},
               {"mark", after, "5", "--invalid", "sneezed"}}) {
@@ -55,7 +52,7 @@ public:
     TemporaryFolder folder;
     std::string before = folder.file("before.sqlite");
     std::string after = folder.file("after.sqlite");
-    std::vector<std::string> heads{};
+    Words heads{};
 };
 
 /// As if the session had been stopped after seven trials.
@@ -124,11 +121,9 @@ TEST_CASE("a merge takes the file with the later marks, and calls two that diffe
 }
 
 TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resume]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--handedness", "80"});
-    const std::vector<std::string> run =
-        run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
+    const Words run = run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
     said(run);
     const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
     CHECK(sql_csv(file, event) == "text\nhandedness 80\n");
@@ -146,8 +141,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string marked = folder.file("marked.sqlite");
-    const std::vector<std::string> run =
-        run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
+    const Words run = run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
     said(run);
     stop_after_seven(file);
     const std::string trials = "SELECT * FROM analysis_trial ORDER BY trial_id";
@@ -191,16 +185,14 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
 }
 
 TEST_CASE("consent that was edited together with its time is said by verify", "[verify][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--consent", "yes", "--handedness", "80"});
     said(run_words(kFourTrials, "P1", file, {"--headless"}));
     said({"participant", file, "P1", "--consent", "no"});
     CHECK_THAT(said({"verify", file}), !Has("missing  participant"));
-    data::Database(file, data::Access::write)
-        .execute(
-            "UPDATE participant SET consent = 1, consent_utc = '2099-01-01T00:00:00.000Z', "
-            "handedness = 8, handedness_utc = '2099-01-01T00:00:00.000Z'");
+    sql_edit(file,
+             "UPDATE participant SET consent = 1, consent_utc = '2099-01-01T00:00:00.000Z', "
+             "handedness = 8, handedness_utc = '2099-01-01T00:00:00.000Z'");
     CHECK_THAT(said({"verify", file}),
                Has("missing  participant P1 consent: yes, and not no, as an event",
                    "missing  participant P1 handedness: 8, and not 80, as an event"));

@@ -1,15 +1,7 @@
-#include <csignal>
-#include <cstdlib>
-
-#include <unistd.h>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
-
-using namespace palpate;
 
 namespace {
 
@@ -17,11 +9,11 @@ namespace {
 constexpr const char* kMark = "PALPATE_TEST_MARK";
 
 /// Command lines of the processes, this one aside, whose environment holds `mark`.
-std::vector<std::string> marked(const std::string& mark) {
+Words marked(const std::string& mark) {
     const auto read = [](const std::filesystem::path& file) {
-        return tests::slurp(file);
+        return slurp(file);
     };
-    std::vector<std::string> found;
+    Words found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
         const std::string id = entry.path().filename().string();
         if (id.find_first_not_of("0123456789") != std::string::npos ||
@@ -38,18 +30,18 @@ std::vector<std::string> marked(const std::string& mark) {
 }  // namespace
 
 TEST_CASE("a test that is killed leaves no process behind", "[window][law]") {
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string mark = fmt::format("{}={:08x}", kMark, std::random_device{}());
     // The test program itself, in a session in a window with board, guard and screen.
-    tests::Process test({std::filesystem::read_symlink("/proc/self/exe").string(), "[.endless]"},
-                        {mark, "PALPATE_TEST_FOLDER=" + folder.path().string()});
-    REQUIRE(tests::eventually([&] { return std::filesystem::exists(folder.file("begun")); }));
+    Process test({std::filesystem::read_symlink("/proc/self/exe").string(), "[.endless]"},
+                 {mark, "PALPATE_TEST_FOLDER=" + folder.path().string()});
+    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("begun")); }));
     CHECK(marked(mark).size() >= 4);  // the test, Xvfb, palpate, its guard
 
     test.signal(SIGKILL);
     test.wait();
-    std::vector<std::string> left;
-    tests::eventually([&] { return (left = marked(mark)).empty(); });
+    Words left;
+    eventually([&] { return (left = marked(mark)).empty(); });
     CAPTURE(left);
     CHECK(left.empty());
 }
@@ -58,11 +50,9 @@ TEST_CASE("what the test above kills: a session that nobody ends", "[.endless]")
     const char* name = std::getenv("PALPATE_TEST_FOLDER");
     REQUIRE(name != nullptr);
     const std::filesystem::path folder = name;
-    tests::WindowSession session({"run", tests::kFourTrials, "--participant", "P1", "--db",
-                                  (folder / "d.sqlite").string(), "--device", "haply-emulator"},
-                                 (folder / "d.sqlite").string());
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
+    WindowSession session({"run", kFourTrials, "--participant", "P1", "--db",
+                           (folder / "d.sqlite").string(), "--device", "haply-emulator"});
+    session.go_through({"welcome", "ready"});
     session.wait_for_screen("explore");
     std::ofstream(folder / "begun") << '\n';
     for (;;) {

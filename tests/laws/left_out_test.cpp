@@ -1,20 +1,11 @@
-#include <tuple>
-
 #include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
+#include "tests/support/page_reader.hpp"
 #include "tests/support/sql_first.hpp"
-#include "tests/support/test_text.hpp"
 
 // Whom and what numbers are without: every command says the same of one file, in words and in JSON.
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
-
-void edit(const std::string& file, const char* sql) {
-    data::Database(file, data::Access::write).execute(sql);
-}
 
 /// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does
 /// not consent, an answer of B is marked, C broke the rule, D's only session was withdrawn, E; and
@@ -26,8 +17,7 @@ std::string mixed_study(const TemporaryFolder& folder) {
     std::ofstream(folder.file("two.toml")) << other;
     const std::string file = folder.file("s.sqlite");
     const auto run = [&](const char* protocol, const std::string& who) {
-        std::vector<std::string> words =
-            run_words(folder.file(protocol), who, file, {"--headless"});
+        Words words = run_words(folder.file(protocol), who, file, {"--headless"});
         if (who == "X") {
             words.emplace_back("--new-version");
         }
@@ -43,12 +33,12 @@ std::string mixed_study(const TemporaryFolder& folder) {
          sql_first(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
          "--invalid", "moved"});
     ran({"session", file, "D", "1", "--withdraw", "was\nasleep"});
-    edit(file,
-         "UPDATE session SET finished = 0 WHERE participant_id = (SELECT participant_id FROM "
-         "participant WHERE participant_code = 'C')");
-    edit(file,
-         "UPDATE session SET session_kind = 'real' WHERE participant_id = (SELECT "
-         "participant_id FROM participant WHERE participant_code = 'F')");
+    sql_edit(file,
+             "UPDATE session SET finished = 0 WHERE participant_id = (SELECT participant_id FROM "
+             "participant WHERE participant_code = 'C')");
+    sql_edit(file,
+             "UPDATE session SET session_kind = 'real' WHERE participant_id = (SELECT "
+             "participant_id FROM participant WHERE participant_code = 'F')");
     return file;
 }
 
@@ -90,9 +80,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
           "[left-out][law]") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
-    edit(file,
-         "UPDATE session SET session_kind = 'pilot' WHERE participant_id = (SELECT "
-         "participant_id FROM participant WHERE participant_code = 'Y')");
+    sql_edit(file,
+             "UPDATE session SET session_kind = 'pilot' WHERE participant_id = (SELECT "
+             "participant_id FROM participant WHERE participant_code = 'Y')");
     const std::string name =
         "four_trials@" + sql_first(file,
                                    "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
@@ -102,14 +92,12 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         "[exclusion]; analysed: 2",
         "answers of main trials: 20 in the file; left out: 4 of who does not consent, 4 of "
         "withdrawn sessions, 1 marked, 4 of who is left out by rule; analysed: 7"};
-    const std::vector<std::string> of{file, "--kind", "simulated", "--study", name};
-    const auto with = [&](const char* command, std::vector<std::string> more = {}) {
-        std::vector<std::string> words{command};
-        words.insert(words.end(), of.begin(), of.end());
-        words.insert(words.end(), more.begin(), more.end());
+    const Words of{file, "--kind", "simulated", "--study", name};
+    const auto with = [&](const char* command, Words more = {}) {
+        const Words words = joined(joined({command}, of), more);
         return ran(words);
     };
-    const std::vector<std::string> quick{"--permutations", "0", "--simulations", "0"};
+    const Words quick{"--permutations", "0", "--simulations", "0"};
     const Finished stats = with("stats", quick);
     const std::string page = folder.file("r.html");
     static_cast<void>(with("report", {"-o", page, "--simulations", "0", "--bootstrap", "0"}));
@@ -142,7 +130,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
             CHECK(all.contains(line));
         }
     }
-    const auto json = [&](const char* command, std::vector<std::string> more) {
+    const auto json = [&](const char* command, Words more) {
         more.emplace_back("--json");
         return Json::parse(with(command, more).out)["left_out"];
     };
@@ -254,9 +242,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CAPTURE(command, listed.out, listed.error);
     CHECK(std::ranges::count(listed.out, '\n') == 2);
     // Where nobody is left it is said why.
-    edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"stats", file}, {"report", file, "-o", folder.file("f.html")}}) {
+    sql_edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
+    for (const Words& words :
+         {Words{"stats", file}, {"report", file, "-o", folder.file("f.html")}}) {
         CAPTURE(words.front());
         CHECK_THAT(ran(words, 2).error, Has("people: 1 in the file; left out: 1 does not "
                                             "consent; analysed: 0"));
@@ -273,26 +261,18 @@ TEST_CASE("a study whose rules leave out everybody is reported, and names nobody
     for (const char* who : {"A", "B", "C", "D", "E"}) {
         ran(run_words(folder.file("p.toml"), who, file, {"--headless"}));
     }
-    edit(file, "UPDATE session SET finished = 0");
+    sql_edit(file, "UPDATE session SET finished = 0");
     const std::string account = "5 by the rules of [exclusion]; analysed: 0";
     for (const char* command : {"audit", "stats", "fit"}) {
-        const Finished refused = palpate_command({command, file, "--kind", "simulated"});
-        CHECK(refused.code == 2);
-        CHECK_THAT(refused.error, Has(account));
+        check_end(palpate_command({command, file, "--kind", "simulated"}), 2, Has(account));
     }
     const Finished audit = palpate_command({"audit", file, "--kind", "simulated"});
     CHECK_THAT(audit.error, Has("everybody is left out by the protocol's rules"));
-    std::vector<std::string> people;
-    const std::string begin = "by rule: ";
-    for (std::size_t at = audit.error.find(begin); at != std::string::npos;
-         at = audit.error.find(begin, at + 1)) {
-        people.push_back(audit.error.substr(at + begin.size(), 14));
-    }
+    const Words people = between(audit.error, "by rule: ", "\n");
     CHECK(people.size() == 5);
     CHECK(std::ranges::is_sorted(people));
-    const std::string page = folder.file("r.html");
-    ran({"report", file, "--kind", "simulated", "-o", page, "--simulations", "0"});
-    CHECK_THAT(slurp(page), Has("Everybody is left out by the protocol&#39;s rules", account));
+    CHECK_THAT(page_of(file, {"--kind", "simulated", "--simulations", "0"}),
+               Has("Everybody is left out by the protocol&#39;s rules", account));
 }
 
 TEST_CASE("a study of which no curve can be fitted has its report all the same",
@@ -301,12 +281,11 @@ TEST_CASE("a study of which no curve can be fitted has its report all the same",
     write(folder.file("p.toml"), test_text("one_level.toml"));
     const std::string file = folder.file("s.sqlite");
     ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
-    const Finished fit = palpate_command({"fit", file, "--kind", "simulated"});
-    CHECK(fit.code == 2);
-    CHECK_THAT(fit.error, Has("there is one stimulus with answers", "left out: nobody"));
-    ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html")});
-    CHECK_THAT(slurp(folder.file("r.html")), Has("Not fitted: 1, r: there is one stimulus",
-                                                 "Not fitted: 2, r: ", "Adaptive tracks"));
+    check_end(palpate_command({"fit", file, "--kind", "simulated"}), 2,
+              Has("there is one stimulus with answers", "left out: nobody"));
+    CHECK_THAT(
+        page_of(file, {"--kind", "simulated"}),
+        Has("Not fitted: 1, r: there is one stimulus", "Not fitted: 2, r: ", "Adaptive tracks"));
 }
 
 TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered",
@@ -319,16 +298,15 @@ TEST_CASE("answers of more than two kinds are no psychometric function, whatever
                 {"stimuli = [7]", "stimuli = [0, 3, 7]\noutcomes = 3"}}));
     const std::string file = folder.file("s.sqlite");
     ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
-    edit(file, "UPDATE adaptive_step SET rule_outcome = rule_outcome > 0");  // nobody gave the last
+    sql_edit(file,
+             "UPDATE adaptive_step SET rule_outcome = rule_outcome > 0");  // nobody gave the last
     const Finished fit = palpate_command({"fit", file, "--kind", "simulated"});
     CHECK(fit.code == 2);
     CHECK_THAT(fit.error, Has("has no answer to fit"));
-    CHECK(palpate_command({"export", file, "--kind", "simulated", "--format", "quickpsy", "-o",
-                           folder.file("q")})
-              .code == 2);
+    ran({"export", file, "--kind", "simulated", "--format", "quickpsy", "-o", folder.file("q")}, 2);
     CHECK_THAT(ran({"summary", file}).out, Has("more than two answers"));
-    ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html")});
-    CHECK_THAT(slurp(folder.file("r.html")), Has("Adaptive tracks") && !Has("share of yes"));
+    CHECK_THAT(page_of(file, {"--kind", "simulated"}),
+               Has("Adaptive tracks") && !Has("share of yes"));
 }
 
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
@@ -339,7 +317,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
         "SELECT study_name, session_kind, group_concat(DISTINCT participant_code) AS who, count(*) "
         "AS n FROM main_trial GROUP BY 1, 2";
     CHECK(sql_csv(file, who) == "study_name,session_kind,who,n\nfour_trials,real,F,4\n");
-    edit(file, "UPDATE session SET session_kind = 'simulated'");
+    sql_edit(file, "UPDATE session SET session_kind = 'simulated'");
     CHECK(sql_csv(file, who) ==
           "study_name,session_kind,who,n\nfour_trials,simulated,\"B,C,E,F,X,Y\",23\n");
     CHECK(sql_csv(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");

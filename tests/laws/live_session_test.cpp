@@ -1,41 +1,20 @@
-#include <csignal>
 #include <list>
-#include <set>
 
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/stop_lines.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/stranger.hpp"
 
 // What others see of a running session and may ask of it: the program itself, its control socket
 // and its shared memory. Nothing is asserted about time.
-
-using namespace palpate;
-using tests::eventually;
-using tests::holds_for_a_stranger;
-using tests::TemporaryFolder;
-
-namespace {
-
-using tests::ShownSession;
-
-std::string events_of(const std::string& kind) {
-    return "SELECT count(*) FROM event WHERE event_kind = '" + kind + "'";
-}
-
-}  // namespace
 
 TEST_CASE("what is asked of a running session is done by its own events, and the file says so",
           "[live][law]") {
@@ -76,12 +55,12 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     CHECK(session.program.wait().code == 3);
     CHECK(session.state()["ended"] == "ended early");
     CHECK_FALSE(session.shown.alive());
-    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+    ran({"verify", session.file});
 }
 
 TEST_CASE("what was noted while something is felt is kept by a file that is killed at once",
           "[live][law]") {
-    ShownSession session(tests::kFourTrials, {"0.5"});
+    ShownSession session(kFourTrials, {"0.5"});
     REQUIRE(session.comes_to("explore"));
     CHECK(session.ask({{"do", "note"}, {"text", "the chair creaks"}})["ok"] == true);
     const data::Json asked = session.ask({{"do", "reveal"}});
@@ -115,13 +94,12 @@ TEST_CASE("two who ask at once are both answered, and done once", "[live][law]")
         CHECK(session.keeps(events_of("go on"), times));
         CHECK(session.kept(events_of("pause")) == times);
     }
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("nothing of what is felt or answered leaves a session before it was revealed",
           "[live][safety][law]") {
-    ShownSession session(tests::kFourTrials, {"1"});
+    ShownSession session(kFourTrials, {"1"});
     std::set<std::string> said;
     std::uint64_t seen = 0;
     std::size_t shown = 0;  // ticks with more than time, lateness and whether there may be force
@@ -142,9 +120,7 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
     CHECK(seen > 0);
     CHECK(shown == 0);
     for (const std::string& state : said) {
-        for (const char* word : {"hidden", "convex", "concave", "correct", "friction"}) {
-            CHECK(state.find(word) == std::string::npos);
-        }
+        CHECK_THAT(state, HasNone("hidden", "convex", "concave", "correct", "friction"));
     }
 
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
@@ -166,33 +142,31 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
     }));
     CHECK(session.program.wait().code == 0);
     CHECK(session.kept(events_of("reveal")) == "1");
-    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+    ran({"verify", session.file});
 }
 
 TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[live][law]") {
-    const TemporaryFolder folder;
-    tests::write(folder.file("never.toml"),
-                 tests::replaced(tests::four_trials(), "participants = 1",
-                                 "participants = 1\nreveal = \"never\""));
-    ShownSession session(folder.file("never.toml"));
+    const TemporaryFile file("never.toml");
+    write(file,
+          replaced(four_trials(), "participants = 1", "participants = 1\nreveal = \"never\""));
+    ShownSession session(file);
     CHECK(session.state()["reveal"] == "never");
     const data::Json asked = session.ask({{"do", "reveal"}});
     CHECK(asked["ok"] == false);
     CHECK_FALSE(asked.contains("word"));
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
     CHECK(session.kept(events_of("reveal")) == "0");
 }
 
 TEST_CASE("nobody obeys what is no order, and nobody writes into what a session shows",
           "[live][safety][law]") {
     ShownSession session;
-    tests::Random random(32);
-    const std::vector<std::string> pieces{
-        "{", "}",        "\"do\"",       ":",        "\"stop",  "\"end\"", "\"mark\"",
-        "[", "]",        "null",         "1e999",    "\\u0000", "\xff",    "\"word\"",
-        ",", "\"pause ", " \"go on\"\"", "\"note\"", "\"text\""};
-    for (int i = tests::times("PALPATE_RANDOM_LINES", 2000); i > 0; --i) {
+    Random random(32);
+    const Words pieces{"{",        "}",        "\"do\"", ":",        "\"stop",       "\"end\"",
+                       "\"mark\"", "[",        "]",      "null",     "1e999",        "\\u0000",
+                       "\xff",     "\"word\"", ",",      "\"pause ", " \"go on\"\"", "\"note\"",
+                       "\"text\""};
+    for (int i = times("PALPATE_RANDOM_LINES", 2000); i > 0; --i) {
         std::string line;
         for (int n = random.below(12); n > 0; --n) {
             line += pieces[random.index(pieces.size())];
@@ -225,10 +199,9 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
     CHECK(ftruncate(state.file.get(), 0) != 0);
     CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind IN ('note', 'mark', 'pause', "
                        "'stop', 'reveal')") == "0");
-    CHECK(tests::palpate_command({"stop", session.file}).code == 0);
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
-    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+    ran({"stop", session.file});
+    CHECK(session.program.ended_by(SIGTERM) == 3);
+    ran({"verify", session.file});
 }
 
 TEST_CASE("however many called a session that hangs, palpate stop is obeyed when it goes on",
@@ -241,7 +214,7 @@ TEST_CASE("however many called a session that hangs, palpate stop is obeyed when
     };
     session.program.signal(SIGSTOP);
     others_call();
-    CHECK_THAT(tests::palpate_command({"stop", session.file}).error, Has("did not answer in 2 s"));
+    CHECK_THAT(palpate_command({"stop", session.file}).error, Has("did not answer in 2 s"));
     others_call();
     session.program.signal(SIGCONT);
     CHECK(session.keeps(events_of("stop"), "1"));
@@ -268,12 +241,9 @@ TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goe
 }
 
 TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     const auto said = [&](const char* who) {
-        return tests::palpate_command(
-                   tests::run_words(tests::kFourTrials, who, file, {"--headless"}))
-            .error;
+        return palpate_command(run_words(kFourTrials, who, file, {"--headless"})).error;
     };
     CHECK_THAT(said("P1"), !Has("do not reach this one"));
     std::list<ui::ControlSocket> others;
@@ -287,8 +257,7 @@ TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][la
 
 TEST_CASE("palpate stop says that a force is off only of whose motors are proved to be off",
           "[live][safety][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     static_cast<void>(data::Database(file, data::Access::write));
     const auto runs = [&](const char* label, bool doubts) {
         return std::make_unique<ui::StopLines>(
@@ -297,7 +266,7 @@ TEST_CASE("palpate stop says that a force is off only of whose motors are proved
                 .stop = [](const char*) {}, .doubts = [=] { return doubts; }, .types = false});
     };
     const auto stop = [&] {
-        return tests::palpate_command({"stop", file});
+        return palpate_command({"stop", file});
     };
     const auto lost = runs("the lost one\n", true);
     const Finished alone = stop();
@@ -342,6 +311,5 @@ TEST_CASE("another user is heard only with the file open for writing, and then o
     }));
     CHECK((geteuid() != 0 || session.keeps(events_of("stop"), "1")));
     CHECK(session.kept(events_of("pause")) == "0");
-    session.program.signal(SIGTERM);
-    CHECK(session.program.wait().code == 3);
+    CHECK(session.program.ended_by(SIGTERM) == 3);
 }

@@ -1,13 +1,8 @@
-#include <csignal>
-
 #include "data/store/database.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 #include "tests/support/window_session.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -22,7 +17,7 @@ void write_study(const std::string& file) {
                            "[instructions.tr]\nready = \"Tutamağı tutun.\"\n";
 }
 
-std::vector<std::string> words(const TemporaryFolder& folder, const std::string& kind) {
+Words words(const TemporaryFolder& folder, const std::string& kind) {
     return run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"),
                      {"--device", "mouse", "--kind", kind});
 }
@@ -33,8 +28,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
           "[sound][law]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
-    std::vector<std::string> command = words(folder, "real");
-    command.insert(command.begin(), palpate_program());
+    const Words command = command_of(words(folder, "real"));
     Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
     const Finished end = program.wait(std::chrono::seconds(60));
     check_end(end, 1, Has("masking noise cannot be played", "--no-sound"));
@@ -42,11 +36,11 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
 }
 
 TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
-    const TemporaryFolder folder;
-    write_study(folder.file("p.toml"));
-    const Finished said = ran({"check", folder.file("p.toml")});
-    CHECK_THAT(said.out, Has("masking noise: pink at -40 dB re full scale",
-                             "[instructions.en] has no ready, [instructions.tr] has"));
+    const TemporaryFile file("p.toml");
+    write_study(file);
+    CHECK_THAT(ran({"check", file}).out,
+               Has("masking noise: pink at -40 dB re full scale",
+                   "[instructions.en] has no ready, [instructions.tr] has"));
 }
 
 TEST_CASE("in a real window a trial with noise is recorded, answered and verified",
@@ -54,14 +48,12 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     const bool declined = GENERATE(false, true);
-    std::vector<std::string> all = words(folder, "pilot");
+    Words all = words(folder, "pilot");
     if (declined) {
         all.emplace_back("--no-sound");
     }
-    WindowSession session(all, folder.file("d.sqlite"), {"SDL_AUDIODRIVER=dummy"}, {});
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    WindowSession session(all, {"SDL_AUDIODRIVER=dummy"}, {});
+    session.go_through({"welcome", "ready", "explore"});
     session.press_at("question", "1");
     session.wait_until("SELECT count(*) FROM response", "1");
     session.program().signal(SIGINT);

@@ -1,11 +1,7 @@
-#include <algorithm>
-
 #include "data/store/database.hpp"
 #include "data/store/session_lock.hpp"
 #include "tests/support/program.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/sql_first.hpp"
 
 // What `palpate merge` makes of several versions of one session or person: the same in any order.
 
@@ -36,14 +32,10 @@ struct Study {
 
 /// All orders of `files` brought together in a new file; of each the finished command and the file.
 template <class Check>
-void in_all_orders(const Study& study,
-                   std::vector<std::string> files,
-                   const std::string& prefer,
-                   const Check& check) {
+void in_all_orders(const Study& study, Words files, const std::string& prefer, const Check& check) {
     std::ranges::sort(files);
     do {
-        std::vector<std::string> words{"merge", study.folder.file("all.sqlite")};
-        words.insert(words.end(), files.begin(), files.end());
+        Words words = joined({"merge", study.folder.file("all.sqlite")}, files);
         if (!prefer.empty()) {
             words.insert(words.end(), {"--prefer", prefer});
         }
@@ -112,8 +104,8 @@ TEST_CASE("an older copy decides nothing between those that went on from it",
         CHECK_THAT(done.out, Has("later.sqlite has it; what", "y.sqlite has beside that is left"));
         CHECK(left_of(all) == "10,2,73\n");
     });
-    const Finished replaced = ran({"merge", y, x, "--prefer", study.folder.file("./x.sqlite")});
-    CHECK_THAT(replaced.out, Has("0 sessions new, 0 went on, 0 as before, 1 as ", "left out"));
+    CHECK_THAT(ran({"merge", y, x, "--prefer", study.folder.file("./x.sqlite")}).out,
+               Has("0 sessions new, 0 went on, 0 as before, 1 as ", "left out"));
     ran({"verify", y});
 }
 
@@ -121,15 +113,13 @@ TEST_CASE("of notes of several times the newest is kept, in any order", "[merge]
     const Study study;
     const std::string person = study.folder.file("person.sqlite");
     ran({"participant", person, "P2", "--new", "--set", "age=30"});
-    std::vector<std::string> files;
+    Words files;
     for (const auto& [age, hour] : {std::pair(31, 10), std::pair(32, 10), std::pair(33, 11)}) {
         const std::string file = study.copy(fmt::format("{}.sqlite", age), person);
         ran({"participant", file, "P2", "--set", fmt::format("age={}", age)});
-        data::Database(file, data::Access::write)
-            .execute(fmt::format("UPDATE participant_detail SET noted_utc = "
-                                 "'2026-05-05T{}:00:00.000Z'",
-                                 hour)
-                         .c_str());
+        sql_edit(file, fmt::format("UPDATE participant_detail SET noted_utc = "
+                                   "'2026-05-05T{}:00:00.000Z'",
+                                   hour));
         files.push_back(file);
     }
     in_all_orders(study, files, "", [](const Finished& done, const auto& all) {

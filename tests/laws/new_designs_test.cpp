@@ -3,9 +3,6 @@
 #include "tests/support/rig_file.hpp"
 #include "tests/support/sql_first.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
@@ -14,9 +11,8 @@ const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
 
 TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit",
           "[free_forms][study][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(run_words(kForms, "P1", file, {"--headless"})).code == 0);
+    const TemporaryFile file("d.sqlite");
+    ran(run_words(kForms, "P1", file, {"--headless"}));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
     CHECK(
@@ -61,9 +57,8 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
 }
 
 TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(run_words(kForms, "P1", file, {"--headless"})).code == 0);
+    const TemporaryFile file("d.sqlite");
+    ran(run_words(kForms, "P1", file, {"--headless"}));
     {
         data::Database database(file, data::Access::write);
         database.run(
@@ -74,16 +69,15 @@ TEST_CASE("another outline under the same name is found by its hash", "[free_for
 
 TEST_CASE("sequence and check show friction blocks and free forms",
           "[free_forms][friction_blocks]") {
-    const TemporaryFolder folder;
-    const std::string sheet = folder.file("o.svg");
+    const TemporaryFile sheet("o.svg");
     CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
                Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
     const std::string drawn = slurp(sheet);
     CHECK_THAT(drawn, Has("free form, 80", "dome"));
     const Finished sequence = ran({"sequence", kForms, "--participant", "P1"});
     CHECK_THAT(sequence.out, Has("friction blocks: row", "of 2 of the"));
-    const Finished csv = palpate_command({"sequence", kForms, "--participant", "P1", "--csv"});
-    CHECK_THAT(csv.out, Has(",dome,,o"));
+    CHECK_THAT(palpate_command({"sequence", kForms, "--participant", "P1", "--csv"}).out,
+               Has(",dome,,o"));
     CHECK_THAT(palpate_command({"new", "--keys"}).out,
                Has("[[object.segment]]", "five_shapes", "friction_blocks", "catch_correct_min"));
 }

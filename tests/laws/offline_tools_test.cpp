@@ -1,17 +1,12 @@
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/foot_oracle.hpp"
-#include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
 /// Columns of a CSV text by name.
-std::map<std::string, std::vector<std::string>> columns_of(const std::string& text) {
-    std::map<std::string, std::vector<std::string>> columns;
+std::map<std::string, Words> columns_of(const std::string& text) {
+    std::map<std::string, Words> columns;
     for (auto& row : csv_records(text)) {
         for (auto& [name, field] : row) {
             columns[name].push_back(field);
@@ -23,17 +18,14 @@ std::map<std::string, std::vector<std::string>> columns_of(const std::string& te
 const std::string kContact = test_text("scenes/contact.toml");
 
 /// Row i of a column as a number.
-double number(const std::map<std::string, std::vector<std::string>>& csv,
-              const std::string& column,
-              std::size_t row) {
+double number(const std::map<std::string, Words>& csv, const std::string& column, std::size_t row) {
     return std::stod(csv.at(column).at(row));
 }
 
 }  // namespace
 
 TEST_CASE("palpate render gives the forces of plane trigonometry on an arc", "[cli][law]") {
-    const double kappa = GENERATE(12.0, 0.0, -12.0);
-    CAPTURE(kappa);
+    EACH(kappa, 12.0, 0.0, -12.0);
     const TemporaryFolder folder;
     write(folder.file("s.toml"), std::string(kContact) + fmt::format(R"(
 [[segment]]
@@ -95,7 +87,7 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
     for (int i = 0; i < 3; ++i) {
         const auto data = random_nurbs<2>(random, 0.1, 1.0);
         oracles.emplace_back(data);
-        std::vector<std::string> points;
+        Words points;
         for (const Vec2& p : data.points) {
             points.push_back(fmt::format("[{}, {}]", p.x, p.y));
         }
@@ -184,10 +176,12 @@ to_m = [0.1, 0.0]
         CAPTURE(wrong.to);
         write(folder.file("s.toml"), replaced(good, wrong));
         write(folder.file("t.csv"), replaced(path, wrong));
-        const Finished run = ran(
-            {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")}, 2);
-        CHECK_THAT(run.error, Has(wrong.place, wrong.value));
-        CHECK(folder.names() == std::vector<std::string>{"s.toml", "t.csv"});
+        CHECK_THAT(
+            ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")},
+                2)
+                .error,
+            Has(wrong.place, wrong.value));
+        CHECK(folder.names() == Words{"s.toml", "t.csv"});
     }
 }
 
@@ -260,17 +254,16 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
         CHECK(number(moved, "cy_m", row) == Approx(0.0375 + 0.75 * exact(t)).epsilon(1e-5));
     }
 
-    const auto refused = [&](const std::string& text, const std::vector<std::string>& words,
+    const auto refused = [&](const std::string& text, const Words& words,
                              const std::string& sentence) {
         write(folder.file("wrong.toml"), text);
-        std::vector<std::string> line{"deform", folder.file("wrong.toml")};
-        line.insert(line.end(), words.begin(), words.end());
+        const Words line = joined({"deform", folder.file("wrong.toml")}, words);
         CAPTURE(sentence);
         const Finished run = ran(line, 2);
         CHECK(run.out.empty());
         CHECK_THAT(run.error, Has(sentence));
     };
-    const std::vector<std::string> some{"--times", "0.1"};
+    const Words some{"--times", "0.1"};
     refused(bow + "free_weights = true\n", some,
             "wrong.toml:11:16: free_weights is true: weights cannot be");
     refused(bow + "mass = 1\n", some, "wrong.toml:11:1: ");
@@ -292,8 +285,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
 
 TEST_CASE("palpate render presses a soft object to where palpate deform has it at rest",
           "[cli][soft][law]") {
-    const double soft = GENERATE(0.0004, 0.002);
-    CAPTURE(soft);
+    EACH(soft, 0.0004, 0.002);
     const TemporaryFolder folder;
     const auto scene = [&](double compliance) {
         const std::string file = folder.file(fmt::format("{}.toml", compliance));

@@ -1,11 +1,5 @@
-#include <csignal>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
-#include "tests/support/process.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // The shipped program on an open board: its firmware behind a pseudo-terminal.
 

@@ -1,16 +1,10 @@
-#include <csignal>
-
 #include "engine/base/clock.hpp"
-#include "data/store/database.hpp"
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/window_session.hpp"
+#include "tests/support/sql_first.hpp"
 
 // What whoever runs a session meets: which sessions are real, what a press may do, and what the
 // terminal says.
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -23,23 +17,6 @@ std::string two_trials() {
     text.erase(on, text.find("[design]") - on);
     text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nguard_s = 0.75");
     return text + "\n[response]\nconfidence = true\nconfirm = true\n";
-}
-
-std::string on_the_pointer(const std::string& text) {
-    return replaced(text, "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n");
-}
-
-std::string bar_lines(const std::string& file, const std::string& sql) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        for (int i = 0; i < row.columns(); ++i) {
-            text += (i == 0 ? "" : "|") + row.text(i);
-        }
-        text += '\n';
-    }
-    return text;
 }
 
 /// Does `act` until the window looks otherwise: what comes within the guard time changes nothing.
@@ -86,11 +63,9 @@ TEST_CASE(
     const std::string file = folder.file("it's study.sqlite");
     const std::string protocol = folder.file("p.toml");
     std::ofstream(protocol) << two_trials();
-    WindowSession session(run_words(protocol, "P1", file, {"--device", "mouse"}), file);
+    WindowSession session(run_words(protocol, "P1", file, {"--device", "mouse"}));
     XHand& hand = session.hand();
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    session.go_through({"welcome", "ready", "explore"});
 
     session.wait_for_screen("question");
     until_marked(session, [&] { hand.key("1"); });
@@ -108,8 +83,7 @@ TEST_CASE(
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
     hand.release("Return");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    session.go_through({"ready", "explore"});
     session.press_at("question",
                      "1");  // again and again: the first that is no longer early, and one more
     session.wait_for_screen("confidence");
@@ -119,17 +93,17 @@ TEST_CASE(
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
 
-    CHECK(bar_lines(file, "SELECT session_kind FROM session") == "pilot\n");
+    CHECK(sql_lines(file, "SELECT session_kind FROM session") == "pilot\n");
     CHECK_THAT(end.error, Has("--device mouse gives no force", "recorded as pilot"));
-    CHECK(bar_lines(
+    CHECK(sql_lines(
               file,
               "SELECT answer_code, input, changes, confidence, confidence_changes FROM response") ==
           "0|arrows|2|4|1\n");
-    CHECK(bar_lines(file,
+    CHECK(sql_lines(file,
                     "SELECT first_choice_s < reaction_s AND reaction_s < confirmed_s AND"
                     " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
                     " confidence_reaction_s < confidence_confirmed_s FROM response") == "1\n");
-    CHECK_THAT(bar_lines(file, "SELECT protocol_toml FROM study"),
+    CHECK_THAT(sql_lines(file, "SELECT protocol_toml FROM study"),
                Has("guard_s = 0.75\n", "confirm = true\n"));
 
     CHECK_THAT(end.out, Has("Ctrl+Shift+Q then Y", "Ctrl+Shift+M then Y", "Ctrl+Shift+P", file,
@@ -141,21 +115,16 @@ TEST_CASE(
     REQUIRE(at != std::string::npos);
     const std::string command =
         end.out.substr(at + goes_on.size(), end.out.find('\n', at) - at - goes_on.size());
-    Process again({"sh", "-c", "exec " + command},
-                  {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
-                   "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
-                   "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
+    Process again({"sh", "-c", "exec " + command}, shown_on(session.screen().display()));
     carry_on(again, hand);
-    const Finished rest = again.wait();
-    CAPTURE(rest.out, rest.error);
-    CHECK(rest.code == 0);
+    const Finished rest = ended(again.wait());
     CHECK_THAT(rest.out, Has("Resuming at trial 2 of 2", "trial 2 of 2      attempt 2  ",
                              "none left", "Finished."));
-    CHECK(bar_lines(file,
+    CHECK(sql_lines(file,
                     "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
                     " sum(early_presses) > 0 FROM response") == "1|1|1\n");
     CHECK(
-        bar_lines(
+        sql_lines(
             file,
             "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM analysis_trial WHERE counts") ==
         "1|1\n");
@@ -167,7 +136,8 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::ofstream(folder.file("any.toml")) << two_trials();
-    std::ofstream(folder.file("mouse.toml")) << on_the_pointer(two_trials());
+    std::ofstream(folder.file("mouse.toml"))
+        << replaced(two_trials(), "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n");
     const auto words = [&](const std::string& protocol, const std::string& who) {
         return run_words(folder.file(protocol), who, file, {"--device", "mouse"});
     };
@@ -177,15 +147,10 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
         const std::size_t at = plan.out.find("used so far: ");
         return at == std::string::npos ? plan.out + plan.error : plan.out.substr(at + 13, 3);
     };
-    WindowSession session(words("mouse.toml", "P1"), file);
+    WindowSession session(words("mouse.toml", "P1"));
     {
-        std::vector<std::string> refused = words("any.toml", "P1");
-        refused.insert(refused.begin(), palpate_program());
-        refused.insert(refused.end(), {"--kind", "real"});
-        const Finished end =
-            Process(refused, {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
-                              "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"})
-                .wait();
+        const Words refused = joined(command_of(words("any.toml", "P1")), {"--kind", "real"});
+        const Finished end = Process(refused, shown_on(session.screen().display())).wait();
         check_end(end, 2, Has("gives no force", "device = \"mouse\"", "--kind pilot"));
     }
     // Whoever is at the welcome screen has taken a row of the pictures; whoever left there has not.
@@ -202,7 +167,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
                             "This run: 0 answered", "Stopped before trial 1 of 2"));
     CHECK_THAT(end.error, Has(" P1 --consent yes notes it"));  // as the session has them by now
     ran({"participant", file, "P1", "--consent", "yes"});
-    CHECK(bar_lines(file, "SELECT count(*) FROM trial") == "0\n");
+    CHECK(sql_lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
 TEST_CASE("practice is counted by itself, repeats never make a number jump, and three are an alarm",
@@ -214,7 +179,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
     const Finished end = ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
-    std::vector<std::string> numbers;
+    Words numbers;
     std::size_t repeats = 0;
     std::size_t alarms = 0;
     for (const std::string& line : lines_in(end.out)) {
@@ -253,22 +218,17 @@ TEST_CASE(
         threshold = replaced(threshold, "\ntrials = 40", "\ntrials = 8");
     }
     std::ofstream(folder.file("p.toml")) << threshold;
-    const std::vector<std::string> words =
-        run_words(folder.file("p.toml"), "P1", file, {"--headless", "--speed"});
-    std::vector<std::string> slow{palpate_program()};
-    slow.insert(slow.end(), words.begin(), words.end());
+    const Words words = run_words(folder.file("p.toml"), "P1", file, {"--headless", "--speed"});
+    Words slow = joined({palpate_program()}, words);
     slow.push_back("40");
     Process program(slow, {"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 4000 && program.out().find("practice 2 of ") == std::string::npos; ++i) {
         pause(0.01);
     }
     program.signal(SIGINT);
-    const Finished stopped = program.wait();
-    CAPTURE(stopped.out, stopped.error);
-    REQUIRE(stopped.code == 3);
+    const Finished stopped = ended(program.wait(), 3);
     CHECK_THAT(stopped.out, Has("Stopped before practice "));
-    std::vector<std::string> redo = words;
-    redo.insert(redo.end(), {"0", "--resume", "redo-block"});
+    const Words redo = joined(words, {"0", "--resume", "redo-block"});
     CHECK_THAT(ran(redo).out, Has("Resuming at practice 1 of ", " trial 1 of ", "  attempt 2  ") &&
                                   !Has("--resume redo-block"));
 }
@@ -283,13 +243,11 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
         << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
     std::int64_t before = monotonic_ns();
     WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
-        file);
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
     session.press_at("welcome", "space");
     std::vector<double> took;  // min
     for (int trial = 1; trial <= 5; ++trial) {
-        session.press_at("ready", "space");
-        session.press_at("explore", "space");
+        session.go_through({"ready", "explore"});
         session.wait_for_screen("question");
         pause(trial == 2 ? 5.0 : 0.0);
         session.press_at("question", "1");
@@ -300,14 +258,13 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
     }
     const std::string out = session.program().out();
     const std::string said = "(395 left, about ";
-    REQUIRE(out.find(said) != std::string::npos);
+    REQUIRE_THAT(out, Has(said));
     const double minutes = std::stod(out.substr(out.find(said) + said.size()));
     const auto [shortest, longest] = std::minmax_element(took.begin() + 2, took.end());
     CAPTURE(took, minutes);
     CHECK(minutes <= 395.0 * *longest + 1.5);  // the third of five is between these three
     CHECK(minutes >= 395.0 * *shortest - 1.5);
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("a person's line says the times of the file, and nothing that tells shape or friction",

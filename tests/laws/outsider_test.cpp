@@ -2,27 +2,22 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
 // What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this
 // program's own code are known, the file is not.
 
-using namespace palpate;
-using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {
 
 constexpr const char* kStudy = "shape_friction_demo";
-const std::vector<std::string> kCodes{"P01", "P02", "P03", "P04", "P05", "P06", "P07"};
+const Words kCodes{"P01", "P02", "P03", "P04", "P05", "P06", "P07"};
 const std::string kDeclined = "P03";
 
-Finished run_as(const std::string& code,
-                const std::string& file,
-                std::vector<std::string> more = {}) {
-    std::vector<std::string> words = run_words(kStudy, code, file, {"--headless"});
-    words.insert(words.end(), more.begin(), more.end());
-    words.insert(words.begin(), palpate_program());
+Finished run_as(const std::string& code, const std::string& file, Words more = {}) {
+    const Words words = command_of(joined(run_words(kStudy, code, file, {"--headless"}), more));
     return Process(words, {"DISPLAY"}).wait();  // palpate_command() would give a secret
 }
 
@@ -30,23 +25,21 @@ Finished run_as(const std::string& code,
 void record(const std::string& file, std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
         REQUIRE(run_as(kCodes[i], file).code == 0);
-        data::Database(file, data::Access::write)
-            .execute("UPDATE session SET session_kind = 'real'");
+        sql_edit(file, "UPDATE session SET session_kind = 'real'");
     }
 }
 
 std::string exported(const std::string& file,
                      const std::string& format,
                      const std::string& out,
-                     std::vector<std::string> more = {}) {
-    std::vector<std::string> words{"export", file, "--format", format, "-o", out};
-    words.insert(words.end(), more.begin(), more.end());
+                     Words more = {}) {
+    const Words words = joined({"export", file, "--format", format, "-o", out}, more);
     CAPTURE(format);
     ran(words);
     return out;
 }
 
-using Order = std::vector<std::string>;  ///< object and friction of every trial
+using Order = Words;  ///< object and friction of every trial
 
 /// By subject, from the exported plans.
 std::map<std::string, Order> orders_in(const fs::path& folder) {
@@ -99,10 +92,10 @@ std::map<std::string, std::string> codes_in(const fs::path& file) {
     return codes;
 }
 
-std::vector<std::string> values(const std::string& file, const std::string& sql) {
+Words values(const std::string& file, const std::string& sql) {
     data::Database database(file, data::Access::read);
     data::Statement row = database.prepare(sql);
-    std::vector<std::string> all;
+    Words all;
     while (row.step()) {
         if (!row.null(0)) {
             all.push_back(row.text(0));
@@ -112,7 +105,7 @@ std::vector<std::string> values(const std::string& file, const std::string& sql)
 }
 
 /// What no export without details may hold: names, clocks, hashes, secrets.
-std::vector<std::string> telling(const std::string& file) {
+Words telling(const std::string& file) {
     return values(
         file,
         "SELECT hex FROM secret UNION SELECT participant_code FROM participant UNION SELECT uuid "
@@ -160,7 +153,7 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
         CHECK(late.at(code) == subject);
     }
     CHECK(late.size() == kCodes.size() - 1);
-    std::vector<std::string> joined;
+    Words joined;
     for (const std::string& code : kCodes) {
         if (code != kDeclined) {
             joined.push_back(late.at(code));
@@ -168,21 +161,21 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
     }
     CHECK_FALSE(std::is_sorted(joined.begin(), joined.end()));  // by chance 1 in 720
 
-    for (const std::string& format : std::vector<std::string>{"csv", "bids", "psych-ds"}) {
+    for (const std::string& format : Words{"csv", "bids", "psych-ds"}) {
         const std::string out =
             format == "csv" ? plain : exported(file, format, folder.file(format));
         const std::string text = everything(out);
         CAPTURE(format);
         for (const std::string& word : telling(file)) {
             CAPTURE(word);
-            CHECK(text.find(word) == std::string::npos);
+            CHECK_THAT(text, !Has(word));
         }
         for (const auto& [code, subject] : late) {
             CHECK_THAT(text, Has(subject.substr(4)));
         }
         const std::string with = everything(exported(file, format, folder.file(format + "-details"),
                                                      {"--with-details", "--keep-codes"}));
-        CHECK(with.find(secret) == std::string::npos);
+        CHECK_THAT(with, !Has(secret));
         CHECK_THAT(with, Has("P01"));
     }
     CHECK_THAT(palpate_command({"participant", file, "P04"}).out, Has(late.at("P04")));
@@ -210,20 +203,16 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
             "of P02_2026.sqlite'; UPDATE session SET session_number = 4");
     }
     const std::string out = exported(file, "csv", folder.file("out"));
-    std::vector<std::string> since;
+    Words since;
     for (const auto& line : csv_records(slurp(out + "/trials.csv"))) {
         since.push_back(line.at("since_first_ns"));
         CHECK(line.at("session_number") ==
               "1");  // not the fourth: the ones before were of another kind
     }
-    CHECK(since == std::vector<std::string>{"0", "30000000000", "60000000000", "0", "30000000000",
-                                            "60000000000", "0", "30000000000", "60000000000",
-                                            "90000000000"});
+    CHECK(since == Words{"0", "30000000000", "60000000000", "0", "30000000000", "60000000000", "0",
+                         "30000000000", "60000000000", "90000000000"});
     const std::string text = everything(out);
-    for (const char* word : {"P02", "sqlite"}) {
-        CAPTURE(word);
-        CHECK(text.find(word) == std::string::npos);
-    }
+    CHECK_THAT(text, HasNone("P02", "sqlite"));
 }
 
 TEST_CASE(
@@ -231,7 +220,7 @@ TEST_CASE(
     "[secret][determinism][law]") {
     const TemporaryFolder folder;
     const std::string secret = "0123456789abcdef0123456789abcdef";
-    const auto content = [&](const std::string& name, std::vector<std::string> more) {
+    const auto content = [&](const std::string& name, Words more) {
         REQUIRE(run_as("P01", folder.file(name), std::move(more)).code == 0);
         data::Database database(folder.file(name), data::Access::read);
         return content_hash(database);
@@ -268,12 +257,8 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
     REQUIRE(run_as("P02", file("a.sqlite")).code == 0);
     REQUIRE(run_as("P03", file("b.sqlite")).code == 0);
     REQUIRE(run_as("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
-    REQUIRE(
-        palpate_command({"merge", file("ab.sqlite"), file("a.sqlite"), file("b.sqlite")}).code ==
-        0);
-    REQUIRE(
-        palpate_command({"merge", file("ba.sqlite"), file("b.sqlite"), file("a.sqlite")}).code ==
-        0);
+    ran({"merge", file("ab.sqlite"), file("a.sqlite"), file("b.sqlite")});
+    ran({"merge", file("ba.sqlite"), file("b.sqlite"), file("a.sqlite")});
     const std::string people =
         "SELECT participant_code || ' ' || subject FROM participant ORDER BY 1";
     const std::string sessions = "SELECT uuid || secret FROM session UNION SELECT hex FROM secret";
@@ -287,14 +272,12 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
             .at(0);
     };
     CHECK(number("ab.sqlite") == std::min(number("a.sqlite"), number("b.sqlite")));
-    REQUIRE(
-        palpate_command({"merge", file("ab.sqlite"), file("ab.sqlite"), file("b.sqlite")}).code ==
-        0);
+    ran({"merge", file("ab.sqlite"), file("ab.sqlite"), file("b.sqlite")});
     CHECK(values(file("ab.sqlite"), sessions) == values(file("ba.sqlite"), sessions));
     ran({"verify", file("ab.sqlite")});
     for (const char* session : {"1", "2"}) {
-        const std::vector<std::string> words{"sequence",  kStudy,  "--participant", "P01",
-                                             "--session", session, "--csv",         "--db"};
+        const Words words{"sequence",  kStudy,  "--participant", "P01",
+                          "--session", session, "--csv",         "--db"};
         auto here = words;
         here.push_back(file("ab.sqlite"));
         auto there = words;
@@ -318,12 +301,10 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret
         CAPTURE(edit);
         const std::string copy = folder.file("copy.sqlite");
         fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
-        data::Database(copy, data::Access::write)
-            .execute(fmt::format("PRAGMA foreign_keys = OFF; {}", edit).c_str());
+        sql_edit(copy, fmt::format("PRAGMA foreign_keys = OFF; {}", edit));
         CHECK_THAT(ran({"verify", copy}, 1).out, Has("secret") || Has("plan_sha256"));
     }
-    data::Database(file, data::Access::write)
-        .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
+    sql_edit(file, "PRAGMA foreign_keys = OFF; DELETE FROM secret");
     const Finished refused = run_as("P02", file);
     CHECK(refused.code != 0);
     CHECK_THAT(refused.error, Has("its secret was removed"));

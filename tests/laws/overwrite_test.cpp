@@ -1,7 +1,4 @@
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate::tests;
 
 namespace {
 
@@ -29,7 +26,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     write(f("proc.toml"), kQuestProcedure);
     write(f("r.csv"), "response\n1\n1\n0\n");
 
-    const std::vector<std::vector<std::string>> commands{
+    const std::vector<Words> commands{
         {"fit", f("nm.csv"), "--bootstrap", "0", "--svg"},
         {"power", f("p.toml"), "--effect", "-1", "--participants", "3", "--studies", "20",
          "--hands", "1", "--svg"},
@@ -87,7 +84,7 @@ TEST_CASE("a file that cannot be made is refused with what the system says of it
         check_end(palpate_command({"check", "shape_friction_demo", "--svg", place}), 1,
                   Has(place + ": cannot be written: " + why));
     }
-    CHECK(folder.names() == std::vector<std::string>{"file"});
+    CHECK(folder.names() == Words{"file"});
 }
 
 TEST_CASE("figures write all of their files or none where somebody's table has the name of one",
@@ -96,5 +93,5 @@ TEST_CASE("figures write all of their files or none where somebody's table has t
     write(folder.file("fig_3_2_2.svg"), "mine\n");
     CHECK_THAT(ran({"figures", "-o", folder.path().string()}, 2).error,
                Has("fig_3_2_2.svg is there already"));
-    CHECK(folder.names() == std::vector<std::string>{"fig_3_2_2.svg"});
+    CHECK(folder.names() == Words{"fig_3_2_2.svg"});
 }

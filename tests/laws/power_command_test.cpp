@@ -1,11 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/slurp.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -30,21 +25,17 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
                                 "200", "--hands", "2", "--threads", threads, "--svg",
                                 folder.file("power.svg")});
     };
-    const auto one = power("1");
-    CAPTURE(one.out, one.error);
-    REQUIRE(one.code == 0);
-    for (const char* text :
-         {"on against off, 8 trials", "exact sign-flip test", "2000 without an effect",
-          "judged from 32 hands", "Power of 0.8 takes",
-          "For the pre-registration:", "-2 logit (sd 0.3 over people) with a power of"}) {
-        CHECK_THAT(one.out, Has(text));
-    }
+    const Finished one = ended(power("1"));
+    CHECK_THAT(one.out,
+               Has("on against off, 8 trials", "exact sign-flip test", "2000 without an effect",
+                   "judged from 32 hands", "Power of 0.8 takes",
+                   "For the pre-registration:", "-2 logit (sd 0.3 over people) with a power of"));
     CHECK_THAT(slurp(folder.file("power.svg")), Has("type I error"));
     CHECK(power("3").out == one.out);
-    auto words = std::vector<std::string>{
-        "power",          study,  "--effect",  "-2",  "--observer", folder.file("quick.toml"),
-        "--participants", "6,10", "--studies", "200", "--hands",    "2",
-        "--json"};
+    auto words =
+        Words{"power",          study,  "--effect",  "-2",  "--observer", folder.file("quick.toml"),
+              "--participants", "6,10", "--studies", "200", "--hands",    "2",
+              "--json"};
     const auto all = nlohmann::json::parse(palpate_command(words).out);
     REQUIRE(all["points"].size() == 2);
     for (const auto& point : all["points"]) {
@@ -55,25 +46,20 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
                             point["power_95"][1].get<double>())));
     }
     CHECK(all["test"] == "sign_flip");
-    const auto wilcoxon = palpate_command(
-        {"power", study, "--effect", "observer", "--observer", folder.file("quick.toml"),
-         "--participants", "6", "--studies", "20", "--hands", "1", "--test", "signed_rank"});
-    CAPTURE(wilcoxon.error);
-    CHECK(wilcoxon.code == 0);
+    const Finished wilcoxon =
+        ran({"power", study, "--effect", "observer", "--observer", folder.file("quick.toml"),
+             "--participants", "6", "--studies", "20", "--hands", "1", "--test", "signed_rank"});
     CHECK_THAT(wilcoxon.out, Has("Wilcoxon signed-rank"));
 }
 
 TEST_CASE("palpate power says where there is no effect, and never an error of 0", "[power]") {
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "paired_t");
-    const auto none =
-        palpate_command({"power", study, "--effect", "0", "--observer", folder.file("quick.toml"),
-                         "--participants", "3,4", "--studies", "20", "--hands", "1"});
-    CAPTURE(none.out, none.error);
-    REQUIRE(none.code == 0);
-    CHECK_THAT(none.out, Has("There is no effect to be found (0 logit", "type I error.") &&
-                             !Has("takes") && !Has("times as large") &&
-                             !Has("For the pre-registration"));
+    CHECK_THAT(ran({"power", study, "--effect", "0", "--observer", folder.file("quick.toml"),
+                    "--participants", "3,4", "--studies", "20", "--hands", "1"})
+                   .out,
+               Has("There is no effect to be found (0 logit", "type I error.") && !Has("takes") &&
+                   !Has("times as large") && !Has("For the pre-registration"));
     // Four people, the least p of signed ranks is 1/8: never significant. Wilson: 1.96^2 / (n +
     // 1.96^2).
     const auto never = palpate_command({"power", study, "--effect", "-2", "--test", "signed_rank",
@@ -88,12 +74,9 @@ TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "sign_flip");
     const std::string file = folder.file("d.sqlite");
-    const auto ran = palpate_command({"simulate", study, "--participants", "3", "--observer",
-                                      folder.file("quick.toml"), "--no-traces", "--db", file});
-    CAPTURE(ran.error);
-    REQUIRE(ran.code == 0);
-    const std::vector<std::string> stats{"stats",         file, "--kind", "simulated",
-                                         "--simulations", "0"};
+    ran({"simulate", study, "--participants", "3", "--observer", folder.file("quick.toml"),
+         "--no-traces", "--db", file});
+    const Words stats{"stats", file, "--kind", "simulated", "--simulations", "0"};
     const std::string text = palpate_command(stats).out;
     const std::size_t primary =
         text.find("Primary test, as the protocol says: exact sign-flip test");
@@ -106,8 +89,8 @@ TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]
 }
 
 TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power]") {
-    const TemporaryFolder folder;
-    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+    const TemporaryFile file("bad.toml");
+    const auto refused = [&](const Words& words, const std::string& why) {
         const auto ran = palpate_command(words);
         CAPTURE(why, ran.error);
         check_end(ran, 2, Has(why));
@@ -123,6 +106,6 @@ TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power
             "--effect-sd is of an --effect in logits");
     refused({"power", kFourTrials, "--effect", "-1", "--test", "guess"}, "--test");
     refused({"power", "curvature_2afc", "--effect", "-1"}, "no rule chooses");
-    write(folder.file("bad.toml"), slurp(kFourTrials) + "\n[analysis]\nprimary = \"t\"\n");
-    refused({"power", folder.file("bad.toml"), "--effect", "-1"}, "primary is \"t\"");
+    write(file, slurp(kFourTrials) + "\n[analysis]\nprimary = \"t\"\n");
+    refused({"power", file, "--effect", "-1"}, "primary is \"t\"");
 }

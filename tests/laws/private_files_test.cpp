@@ -1,15 +1,12 @@
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 // What the program leaves behind for others to read, and how it is built.
 
 TEST_CASE("whatever is written with participants' codes is its owner's alone", "[privacy][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--headless"}));
-    const auto others_read = [&](const std::vector<std::string>& words, const std::string& made) {
+    const auto others_read = [&](const Words& words, const std::string& made) {
         CAPTURE(words, made);
         ran(words);
         using std::filesystem::perms;
@@ -65,9 +62,7 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
     ran(run_words(kFourTrials, "P1", file, {"--headless"}));
     ran({"mark", file, "2", "--invalid", "slept"});
     ran({"note", file, "slept", "--participant", "P1"});
-    REQUIRE(
-        palpate_command({"export", file, "--kind", "simulated", "-o", folder.file("out")}).code ==
-        0);
+    ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});
     auto rows = lines_in(slurp(folder.file("out/events.csv")));
     REQUIRE_THAT(rows.at(0), Has(",event_kind,mark_undone,text,since_first_ns,"));
     rows.erase(rows.begin());
@@ -90,10 +85,8 @@ TEST_CASE("the program is built for files of strangers: canaries, checked copies
           "[build]") {
     const Finished dynamic = Process({"readelf", "-d", palpate_program()}).wait();
     CHECK(dynamic.code == 0);
-    CHECK(dynamic.out.find("BIND_NOW") != std::string::npos);
-    CHECK(dynamic.out.find("PIE") != std::string::npos);
+    CHECK_THAT(dynamic.out, Has("BIND_NOW", "PIE"));
     const Finished symbols = Process({"readelf", "--dyn-syms", "-W", palpate_program()}).wait();
-    CHECK(symbols.out.find("__stack_chk_fail") != std::string::npos);
-    CHECK(symbols.out.find("_chk@GLIBC") != std::string::npos);
+    CHECK_THAT(symbols.out, Has("__stack_chk_fail", "_chk@GLIBC"));
 }
 #endif

@@ -1,9 +1,6 @@
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 const std::string kWatson = test_text("procedures/watson.toml");
@@ -27,11 +24,10 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
     REQUIRE(run.code == 0);
     const auto table = csv_rows(slurp(folder.file("o.csv")));
     REQUIRE(table.size() == 129);
-    CHECK(table[0] == std::vector<std::string>{"trial", "stimulus", "response",
-                                               "estimate_mean_threshold", "estimate_mode_threshold",
-                                               "estimate_mean_slope", "estimate_mode_slope",
-                                               "estimate_mean_lapse", "estimate_mode_lapse",
-                                               "entropy_bits", "next_stimulus"});
+    CHECK(table[0] == Words{"trial", "stimulus", "response", "estimate_mean_threshold",
+                            "estimate_mode_threshold", "estimate_mean_slope", "estimate_mode_slope",
+                            "estimate_mean_lapse", "estimate_mode_lapse", "entropy_bits",
+                            "next_stimulus"});
     int other = 0;
     for (std::size_t i = 1; i < 128; ++i) {
         CHECK(table[i][0] == std::to_string(i));
@@ -92,7 +88,7 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
         CAPTURE(text);
         CHECK_THAT(ran({"procedure", config, responses, "-o", folder.file("o.csv")}, 2).error,
                    Has(what));
-        CHECK(folder.names() == std::vector<std::string>{"c.toml", "r.csv"});
+        CHECK(folder.names() == Words{"c.toml", "r.csv"});
     };
     refused("answer\n1\n", "r.csv:1: there is no column response");
     refused("response\n2\n", "r.csv:2: response is 2: give a whole number from 0 to 1");

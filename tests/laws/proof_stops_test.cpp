@@ -1,13 +1,6 @@
-#include <csignal>
-#include <cstring>
-
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/rig_file.hpp"
 #include "tests/support/stop_ways.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // Weak pulses before there is a session, and whoever wants none any more: the shipped program, a
 // board on a pseudo-terminal whose handle nobody holds, a terminal, another shell and a pipe in
@@ -15,32 +8,18 @@ using namespace palpate::tests;
 
 TEST_CASE("weak pulses of an opening and of commission end by every way to stop, nothing is made",
           "[commission][haply][safety][law]") {
-    const bool opening = GENERATE(true, false);
-    CAPTURE(opening);
+    EACH(opening, true, false);
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const Terminal terminal;
     StopButton button(folder.file("button"));
     const std::string made = folder.file(opening ? "d.sqlite" : "new.toml");
-    std::vector<std::string> words{palpate_program(), "commission", "--device",
-                                   board.word(),      "-o",         made};
-    if (opening) {
-        words = {palpate_program(),
-                 "run",
-                 study_of_rig(folder),
-                 "--participant",
-                 "P1",
-                 "--db",
-                 made,
-                 "--device",
-                 board.word(),
-                 "--kind",
-                 "real",
-                 "--windowed",
-                 "--calibration",
-                 commissioned_rig(folder, board.word())};
-    }
-    words.insert(words.end(), {"--stop-button", folder.file("button"), "--handle-free"});
+    const Words begins = opening ? run_words(study_of_rig(folder), "P1", made,
+                                             {"--kind", "real", "--windowed", "--calibration",
+                                              commissioned_rig(folder, board.word())})
+                                 : Words{"commission", "-o", made};
+    const Words words = joined(command_of(begins), {"--device", board.word(), "--stop-button",
+                                                    folder.file("button"), "--handle-free"});
     const auto ends = [&](const std::string& way, const std::function<bool(pid_t)>& act,
                           int code = 3) {
         CAPTURE(way);
@@ -116,8 +95,7 @@ TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commissio
     Process program(
         {palpate_program(), "commission", "--device", board.word(), "-o", made, "--handle-free"},
         {std::string(kTerminal) + "=" + terminal.name()});
-    REQUIRE(
-        eventually([&] { return program.out().find("Bring the handle to") != std::string::npos; }));
+    REQUIRE(program.says("Bring the handle to"));
     bool pulsed = false;
     std::int64_t typed_ns = 0;
     CHECK(eventually([&] {

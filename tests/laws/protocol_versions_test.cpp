@@ -1,9 +1,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 std::string written(const TemporaryFolder& folder, const char* name, const std::string& text) {
@@ -33,7 +30,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
                     replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
     }
     const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
-        std::vector<std::string> words = run_words(protocol, who, file, {"--headless"});
+        Words words = run_words(protocol, who, file, {"--headless"});
         if (*more != '\0') {
             words.emplace_back(more);
         }
@@ -74,9 +71,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
                                    "ORDER BY study_id DESC");
     const auto names_both = [&](const std::string& printed) {
         CAPTURE(printed);
-        CHECK(printed.find(one) != std::string::npos);
-        CHECK(printed.find(other) != std::string::npos);
-        CHECK(printed.find("2 people (simulated)") != std::string::npos);
+        CHECK_THAT(printed, Has(one, other, "2 people (simulated)"));
     };
     const std::string summary = palpate_command({"summary", file}).out;
     names_both(summary);
@@ -88,10 +83,9 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(pooled, Has("Study four_trials, simulated", "CAUTION"));
     for (const std::string command : {"stats", "fit", "audit", "report"}) {
         CAPTURE(command);
-        std::vector<std::string> words{command, file, "--kind", "simulated"};
-        const auto with = [&](std::vector<std::string> more) {
-            std::vector<std::string> all = words;
-            all.insert(all.end(), more.begin(), more.end());
+        Words words{command, file, "--kind", "simulated"};
+        const auto with = [&](Words more) {
+            Words all = joined(words, more);
             if (command == "report") {
                 all.insert(all.end(), {"-o", folder.file(more.back() + ".html")});
             }
@@ -129,8 +123,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     // Of a person of both, who has a session 1 of each, the version says which is meant.
     ran(run_words(second, "R1", folder.file("other.sqlite"), {"--headless"}));
     ran({"merge", file, folder.file("other.sqlite")});
-    std::vector<std::string> leave{"session",    file,  "R1",      "1",
-                                   "--withdraw", "ill", "--study", "four_trials"};
+    Words leave{"session", file, "R1", "1", "--withdraw", "ill", "--study", "four_trials"};
     CHECK_THAT(ran(leave, 2).error, Has(one, other));
     leave.back() = one;
     ran(leave);

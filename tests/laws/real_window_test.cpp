@@ -1,5 +1,3 @@
-#include <csignal>
-
 #include "data/store/reader.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/picking.hpp"
@@ -8,8 +6,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using engine::Vec2;
 
 namespace {
@@ -82,10 +78,10 @@ TEST_CASE(
     "a real pointer in a real window: start, choice, reaction time and exact forces are in the "
     "database",
     "[long][window][law]") {
-    const TemporaryFolder folder;
-    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot", "--windowed"}),
-                          folder.file("d.sqlite"), {}, kWide);
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(
+        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", "--windowed"}),
+        {}, kWide);
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
     session.press_at("welcome", "space");
@@ -120,18 +116,15 @@ TEST_CASE(
         }
     }
     session.press_at("end", "space");
-    const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    REQUIRE(end.code == 0);
+    ended(session.finish());
     CHECK(explore_screens.size() == 4);  // they differ in the trial's number only
 
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    data::Database database(file, data::Access::read);
     auto row = database.prepare(
         "SELECT trial_id, curvature_per_m, friction, analysis_trial.chosen_object, "
         "analysis_trial.reaction_s, response.reaction_uncertainty_s, session_kind, input, done_s "
         "FROM analysis_trial JOIN response USING (trial_id) WHERE counts ORDER BY plan_position");
-    auto picture = database.prepare("SELECT picture_object FROM picture WHERE picture_place = 1");
-    REQUIRE(picture.step());
+    auto picture = database.first("SELECT picture_object FROM picture WHERE picture_place = 1");
     int trials = 0;
     while (row.step()) {
         ++trials;
@@ -155,12 +148,10 @@ TEST_CASE(
 
 TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
           "[window][operator][law]") {
-    const TemporaryFolder folder;
-    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot"}),
-                          folder.file("d.sqlite"));
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(
+        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+    session.go_through({"welcome", "ready"});
     explore(session.hand(), session.wait_for_screen("explore"));
     session.press_at("explore", "space");
     session.press_at("question", "1");
@@ -182,17 +173,12 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
 TEST_CASE(
     "a session on surfaces in a real window, broken off at the choice, is what verify recomputes",
     "[window][surface-session]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        run_words("patch_friction", "P1", file, {"--device", "sim", "--windowed", "--speed", "20"}),
-        file);
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(run_words("patch_friction", "P1", file,
+                                    {"--device", "sim", "--windowed", "--speed", "20"}));
+    session.go_through({"welcome", "ready", "explore"});
     session.press_at("question", "2");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    session.go_through({"ready", "explore"});
     session.wait_for_screen("question");
     session.program().signal(SIGTERM);
     const Finished end = session.finish();
@@ -205,18 +191,16 @@ TEST_CASE(
 
 TEST_CASE("of an object that was never touched the person's line says so",
           "[window][operator][blind][law]") {
-    const TemporaryFolder folder;
-    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot"}),
-                          folder.file("d.sqlite"));
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(
+        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot"}));
     session.press_at("welcome", "space");
     const XHand::Window window = session.wait_for_screen("ready");
     const Vec2 away =
         ui::PointerMap{{static_cast<double>(window.width), static_cast<double>(window.height)}}
             .to_pixel({0.0, 0.060});
     session.hand().move(window.x + static_cast<int>(away.x), window.y + static_cast<int>(away.y));
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    session.go_through({"ready", "explore"});
     session.press_at("question", "1");
     session.wait_for_text("answered in");
     session.program().signal(SIGTERM);

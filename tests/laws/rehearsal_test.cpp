@@ -1,12 +1,6 @@
 #include "data/store/database.hpp"
-#include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/rig_file.hpp"
-#include "tests/support/window_session.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in
 // a window.
@@ -29,7 +23,7 @@ std::string study(const TemporaryFolder& folder) {
 void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;
-    int troubles = 0;
+    std::size_t troubles = 0;
     std::string before;
     std::string course;
     bool goes_on = true;
@@ -37,7 +31,7 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
         goes_on = eventually([&] {
             const auto window = hand.find_window("palpate: ");
             const std::string& at = window.title;
-            const int said = times(run.program().out(), "trouble: ");
+            const std::size_t said = count_of(run.program().out(), "trouble: ");
             const bool another = at != before || said > troubles;
             if (at == "palpate: explore" && !felt) {
                 felt = board.motors() != "0, 0";
@@ -79,32 +73,24 @@ TEST_CASE(
     const std::string words = "run '" + study(folder) + "' --participant P1 --db '" +
                               folder.file("d.sqlite") + "' --windowed --device " + board.word() +
                               " --calibration '" + rig + "'";
-    std::unique_ptr<TypedTo> run;
-    for (int attempt = 0; attempt < 8 && !(run && run->program().running()); ++attempt) {
-        board.bring("0,89.3");
-        run = std::make_unique<TypedTo>(
-            folder, fmt::format("run{}", attempt), words,
-            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
-                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-        operate(*run, board, "If it ends early");
-    }
+    const auto run = opened_session(folder, board, screen, words);
     INFO(run->program().error());
     hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
     rehearse(hand, *run, board);
     const Finished end = run->program().wait();
     check_end(end, 0, Has("the session is recorded as simulated"));
     data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare(
+    auto row = database.first(
         "SELECT session_kind, "
         "(SELECT count(*) FROM analysis_trial WHERE counts AND mean_normal_force_n > 0.1) "
         "FROM session");
-    REQUIRE(row.step());
     CHECK(row.text(0) == "simulated");
     CHECK(row.text(1) == "2");
     ran({"verify", folder.file("d.sqlite")});
-    const Finished doctor = palpate_command({"doctor", "--device", board.word(), "--calibration",
-                                             rig, "--db", folder.file("e.sqlite")});
-    CHECK_THAT(doctor.out, Has("haply-emulator, process "));
+    CHECK_THAT(palpate_command({"doctor", "--device", board.word(), "--calibration", rig, "--db",
+                                folder.file("e.sqlite")})
+                   .out,
+               Has("haply-emulator, process "));
 }
 
 TEST_CASE("behind a port where nobody is seen a session has to say of which kind it is",
@@ -112,7 +98,7 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
     const TemporaryFolder folder;
     const FreeBoard board(folder);
     const std::string file = folder.file("d.sqlite");
-    const auto elsewhere = [&](std::vector<std::string> words) {  // where other processes are not
+    const auto elsewhere = [&](Words words) {  // where other processes are not
         words.insert(words.begin(),
                      {"unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc"});
         return Process(words, {"SDL_VIDEODRIVER=dummy", "PALPATE_WORD="}).wait();
@@ -121,7 +107,7 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
         WARN("this kernel gives no namespace of processes: not tried");
         return;
     }
-    const std::vector<std::string> run{
+    const Words run{
         palpate_program(), "run",        study(folder),   "--participant", "P1", "--db", file,
         "--device",        board.word(), "--calibration", "2diy_gen3"};
     const Finished asked = elsewhere(run);
@@ -131,8 +117,7 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
         elsewhere({palpate_program(), "doctor", "--device", board.word(), "--calibration",
                    "2diy_gen3", "--db", folder.file("e.sqlite"), "--seconds", "0.1"});
     CHECK_THAT(doctor.out, Has("run will ask for --kind"));
-    std::vector<std::string> real = run;
-    real.insert(real.end(), {"--kind", "real"});
+    const Words real = joined(run, {"--kind", "real"});
     CHECK_THAT(elsewhere(real).error,
                !Has("cannot see") && Has("no real session: "));  // what is next
 }

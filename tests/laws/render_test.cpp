@@ -5,9 +5,6 @@
 
 // What `palpate render` writes of ticks in which nothing is felt.
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4\n";
@@ -31,9 +28,9 @@ std::string bows(Random& random) {
 
 std::string sheet(Random& random) {
     const SurfaceData d = bicubic_8x8(random, 0.0);
-    std::vector<std::string> rows;
+    Words rows;
     for (const auto& row : d.points) {
-        std::vector<std::string> points;
+        Words points;
         for (const engine::Vec3& p : row) {
             points.push_back(fmt::format("[{}, {}, {}]", p.x, p.y, p.z));
         }

@@ -1,19 +1,13 @@
-#include <algorithm>
-#include <set>
-
 #include "data/store/database.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/program.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/sql_first.hpp"
 
 // What people set right afterwards, with the program itself: whose a session is, that it is left
 // out, which of two notes is right, and what is destroyed on request.
 
 namespace {
 
-std::string said_no(const std::vector<std::string>& words) {
+std::string said_no(const Words& words) {
     const Finished finished = palpate_command(words);
     CAPTURE(words, finished.out);
     CHECK(finished.code != 0);
@@ -70,9 +64,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     CHECK_THAT(said_no({"participant", file, "--consent", "yes"}), Has("nobody is named"));
     CHECK_THAT(said_no({"participant", file, "P3", "--is-really", "P9", "--reason", "typed"}),
                Has("nobody is called P9"));
-    const std::vector<std::string> really{"participant", file,        "P3",      "--is-really",
-                                          "P2",          "--reason",  "typed 3", "--operator",
-                                          "Ada",         "--session", "1"};
+    const Words really{"participant", file,         "P3",  "--is-really", "P2", "--reason",
+                       "typed 3",     "--operator", "Ada", "--session",   "1"};
     CHECK_THAT(ran(really).out, Has("Session 1 of P3", "is session 1 of P2.\nSeal "));
     CHECK_THAT(said_no(really), Has("P3 has no such session"));
     ran({"verify", file});
@@ -125,10 +118,10 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
           "exclusion\nwithdrawn\n");
     const std::string left_out = "withdrawn: P1 session 1  was asleep";
     CHECK_THAT(ran({"summary", file}).out, Has(left_out));
-    const Finished stats =
-        palpate_command({"stats", file, "--kind", "simulated", "--json", "--keep-codes",
-                         "--permutations", "0", "--simulations", "0"});
-    CHECK_THAT(stats.out, Has("\"P1 session 1\"", "\"P2\": {") && !Has("\"P1\": {"));
+    CHECK_THAT(palpate_command({"stats", file, "--kind", "simulated", "--json", "--keep-codes",
+                                "--permutations", "0", "--simulations", "0"})
+                   .out,
+               Has("\"P1 session 1\"", "\"P2\": {") && !Has("\"P1\": {"));
     CHECK_THAT(
         ran({"export", file, "--format", "csv", "-o", folder.file("less"), "--kind", "simulated"})
             .out,
@@ -147,8 +140,7 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
 
 TEST_CASE("a session that is over is refused by what ended it, and a moved one goes on moved back",
           "[repair][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     const auto run = [&] {
         return palpate_command(run_words("shape_friction_demo", "F", file, {"--headless"}));
     };
@@ -160,7 +152,7 @@ TEST_CASE("a session that is over is refused by what ended it, and a moved one g
     ran({"participant", file, "G", "--new"});
     record(file, "F");
     refused("is finished");
-    data::Database(file, data::Access::write).execute("UPDATE session SET finished = 0");
+    sql_edit(file, "UPDATE session SET finished = 0");
     ran({"session", file, "F", "1", "--withdraw", "oops"});
     refused("was withdrawn");
     ran({"session", file, "F", "1", "--undo", "no"});
@@ -177,8 +169,7 @@ TEST_CASE("a session that is over is refused by what ended it, and a moved one g
 }
 
 TEST_CASE("what has a word of its own is no detail of a participant", "[repair][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     ran({"participant", file, "P1", "--new"});
     for (const auto& [key, value] : {std::pair{"consent", "no"}, std::pair{"handedness", "-100"}}) {
         check_end(
@@ -227,24 +218,21 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
                              const std::string& session) {
         ran({"participant", of, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
              "age=31"});
-        data::Database(of, data::Access::write)
-            .execute(fmt::format("UPDATE participant SET handedness_utc = '{0}', consent_utc = "
+        sql_edit(of, fmt::format("UPDATE participant SET handedness_utc = '{0}', consent_utc = "
                                  "'{0}'; UPDATE participant_detail SET noted_utc = '{0}'",
-                                 year + "-01-01T00:00:00.000Z")
-                         .c_str());
+                                 year + "-01-01T00:00:00.000Z"));
         record(of, "P1", session, kFourTrials);
     };
     noted_in("2099", file, "1");
     const std::string backup = copied(file, folder.file("backup.sqlite"));
     const std::string all = folder.file("all.sqlite");
-    const auto merged = [&](std::vector<std::string> files) {
+    const auto merged = [&](Words files) {
         std::ranges::sort(files);
         std::set<std::string> said;
         int orders = 0;
         do {
             std::filesystem::remove(all);
-            std::vector<std::string> words{"merge", all};
-            words.insert(words.end(), files.begin(), files.end());
+            const Words words = joined({"merge", all}, files);
             ran(words);
             const std::string once = sql_csv(all, kNoted);
             for (std::size_t i = 0; said.empty() && i < files.size(); ++i) {
@@ -258,9 +246,8 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
         return *said.begin();
     };
     const auto note = [&](const std::string& of, const std::string& consent) {
-        const Finished done = palpate_command({"participant", of, "P1", "--consent", consent});
-        CHECK(done.code == 0);
-        CHECK_THAT(done.error, Has("warning: the clock says", "noted 2099-01-01"));
+        check_end(palpate_command({"participant", of, "P1", "--consent", consent}), 0,
+                  Has("warning: the clock says", "noted 2099-01-01"));
     };
     CHECK(merged({file, backup}) == "1,80,31\n");
     note(file, "no");

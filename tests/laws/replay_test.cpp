@@ -1,26 +1,21 @@
-#include <cstring>
-
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/scenes.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
-std::vector<std::string> run(const std::string& file, const std::string& device) {
+Words run(const std::string& file, const std::string& device) {
     return run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device});
 }
 
 }  // namespace
 
 TEST_CASE("every recorded force comes back to the bit from the database alone", "[replay][law]") {
-    const TemporaryFolder folder;
-    ran(run(folder.file("a.sqlite"), "sim"));
-    data::Database database(folder.file("a.sqlite"), data::Access::read);
+    const TemporaryFile file("a.sqlite");
+    ran(run(file, "sim"));
+    data::Database database(file, data::Access::read);
     auto text = database.first("SELECT protocol_toml FROM study");
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
     auto trial = database.prepare(
@@ -86,6 +81,6 @@ TEST_CASE("one named trial can be replayed for all", "[replay]") {
     const std::string first = folder.file("a.sqlite");
     ran(run(first, "sim"));
     ran(run(folder.file("b.sqlite"), "replay:" + first + ":3"));
-    const Finished absent = ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2);
-    CHECK_THAT(absent.error, Has("no trial 333"));
+    CHECK_THAT(ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2).error,
+               Has("no trial 333"));
 }

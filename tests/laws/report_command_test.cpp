@@ -2,16 +2,13 @@
 #include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
 /// Codes that occur in no word of the page.
-const std::vector<std::string> kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
+const Words kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
 
 /// Three simulated people, 32 trials each with confidence; one answer is marked, one person is left
 /// out by a rule.
@@ -26,22 +23,14 @@ std::string made_study(const TemporaryFolder& folder) {
         ran(run_words(folder.file("p.toml"), code, file, {"--device", "sim"}));
     }
     ran({"mark", file, "3", "--invalid", "asked"});
-    data::Database(file, data::Access::write)
-        .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
+    sql_edit(file, "UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
     return file;
 }
 
 /// Looks at a.sqlite.html as a window of 1000 px and one of 390 px, a phone's, show it.
 const std::string kWideAndNarrow = test_text("wide_and_narrow.html");
 
-std::string page_of(const std::string& file, std::vector<std::string> words = {}) {
-    const std::string page = file + ".html";
-    words.insert(words.begin(), {"report", file, "-o", page});
-    ran(words);
-    return slurp(page);
-}
-
-const std::vector<std::string> kSimulated{"--kind", "simulated"};
+const Words kSimulated{"--kind", "simulated"};
 
 /// All CSV of results, which come from no query.
 std::string results_of(const std::string& page) {
@@ -60,15 +49,14 @@ std::string digits(const Json& number) {
 
 /// Every number of the page's results stands in the JSON of one of these commands.
 /// @return how many there are
-std::size_t check_results(const std::string& page,
-                          const std::vector<std::vector<std::string>>& commands) {
+std::size_t check_results(const std::string& page, const std::vector<Words>& commands) {
     std::set<std::string> all;
-    for (std::vector<std::string> command : commands) {
+    for (Words command : commands) {
         command.emplace_back("--json");
         const Finished done = ran(command);
         add_numbers(Json::parse(done.out), all);
     }
-    const std::vector<std::string> numbers = tests::numbers_of(results_of(page));
+    const Words numbers = numbers_of(results_of(page));
     for (const std::string& number : numbers) {
         CAPTURE(number);
         CHECK(all.contains(number));
@@ -91,28 +79,20 @@ void check_structure(const std::string& page) {
     }
     CHECK(headings > 20);
     std::size_t figures = 0;
-    for (std::size_t at = page.find("<figure "); at != std::string::npos;
-         at = page.find("<figure ", at + 1)) {
-        const std::string figure = page.substr(at, page.find("</figure>", at) - at);
+    for (const std::string& figure : between(page, "<figure ", "</figure>")) {
         CAPTURE(figure.substr(0, 80));
-        for (const char* part :
-             {"<table", "<caption>", "class=\"sql\"", "class=\"csv\"", "<h3", "<figcaption>"}) {
-            CHECK(figure.find(part) != std::string::npos);
-        }
+        CHECK_THAT(figure, Has("<table", "<caption>", "class=\"sql\"", "class=\"csv\"", "<h3",
+                               "<figcaption>"));
         ++figures;
     }
     CHECK(figures >= 10);
     CHECK(count_of(page, "<svg ") ==
           count_of(page, "role=\"img\" aria-label=") + count_of(page, "role=\"img\">\n"));
     // Nothing to fetch, nothing to run.
-    for (const char* foreign : {"http:", "https:", "//www", "<script", "<link", "<img",
-                                "src=", "@import", "url(h", "file://", "onload"}) {
-        CAPTURE(foreign);
-        CHECK(page.find(foreign) == std::string::npos);
-    }
-    for (std::size_t at = page.find("href=\""); at != std::string::npos;
-         at = page.find("href=\"", at + 1)) {
-        CHECK((page[at + 6] == '#' || page.compare(at + 6, 14, "data:text/csv;") == 0));
+    CHECK_THAT(page, HasNone("http:", "https:", "//www", "<script", "<link", "<img",
+                             "src=", "@import", "url(h", "file://", "onload"));
+    for (const std::string& to : between(page, "href=\"", "\"")) {
+        CHECK((to.starts_with("#") || to.starts_with("data:text/csv;")));
     }
     CHECK_THAT(page, Has("default-src 'none'"));
 }
@@ -207,7 +187,7 @@ TEST_CASE(
     CHECK(page_of(file, kSimulated) == page);
 
     for (const std::string& code : kCodes) {
-        CHECK(page.find(code) == std::string::npos);
+        CHECK_THAT(page, !Has(code));
     }
     CHECK_THAT(page,
                Has("person 1", "timed_out_share_max", "body::after { content: \"SIMULATED\"; }",
@@ -220,11 +200,10 @@ TEST_CASE(
 
     // Another kind of sessions, be it of the same person, is another page: nothing of one is in the
     // other, but how many people that has.
-    data::Database(file, data::Access::write)
-        .execute(
-            "UPDATE session SET session_kind = 'pilot', session_number = 2, participant_id = "
-            "(SELECT "
-            "participant_id FROM session WHERE session_id = 3) WHERE session_id = 1");
+    sql_edit(file,
+             "UPDATE session SET session_kind = 'pilot', session_number = 2, participant_id = "
+             "(SELECT "
+             "participant_id FROM session WHERE session_id = 3) WHERE session_id = 1");
     const std::string pilot = page_of(file, {"--kind", "pilot"});
     CHECK_THAT(pilot,
                Has("content: \"PILOT\"", "<strong>Pilot data.</strong>", "simulated sessions: ") &&
@@ -240,10 +219,8 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
     ran({"verify", file});
     const auto before = folder.names();
-    const auto refused = [&](const std::vector<std::string>& words, int code,
-                             const std::string& why) {
-        std::vector<std::string> all{"report"};
-        all.insert(all.end(), words.begin(), words.end());
+    const auto refused = [&](const Words& words, int code, const std::string& why) {
+        const Words all = joined({"report"}, words);
         const Finished done = palpate_command(all);
         CAPTURE(words);
         CHECK(done.code == code);
@@ -273,8 +250,7 @@ TEST_CASE("a page says what was so: which device, that nobody touched, and the l
     const std::string file = folder.file("a.sqlite");
     ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db", file});
     const auto page_with = [&](const std::string& mice) {
-        data::Database(file, data::Access::write)
-            .execute(("UPDATE trial SET device = 'mouse' WHERE " + mice).c_str());
+        sql_edit(file, "UPDATE trial SET device = 'mouse' WHERE " + mice);
         return page_of(file, {"--kind", "simulated", "--bootstrap", "20", "--simulations", "20"});
     };
     const std::string handle = page_with("0");
@@ -313,7 +289,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     CHECK_THAT(page, Has("id=\"curves\"", "id=\"tracks\"", "class=\"band\"", "id=\"times\""));
     CHECK_THAT(page, !Has("id=\"confusion\""));
     for (const std::string& code : kCodes) {
-        CHECK(page.find(code) == std::string::npos);
+        CHECK_THAT(page, !Has(code));
     }
     CHECK_THAT(page, Has(">mu</text>") && !Has(">stimulus</text>") &&
                          Has("or the board an emulator: nobody felt anything"));

@@ -1,42 +1,29 @@
-#include <string>
-
-#include <fmt/format.h>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/page_reader.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using tests::Finished;
-using tests::palpate_command;
 
 TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays",
           "[report]") {
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string page = folder.file("a.html");
-    REQUIRE(palpate_command({"run", tests::kFourTrials, "--participant", "P1", "--db", file,
-                             "--device", "sim", "--headless"})
-                .code == 0);
-    REQUIRE(palpate_command({"report", file, "--trial", "2", "-o", page}).code == 0);
+    ran({"run", kFourTrials, "--participant", "P1", "--db", file, "--device", "sim", "--headless"});
+    ran({"report", file, "--trial", "2", "-o", page});
     const Finished asked = palpate_command(
         {"sql", file, "--csv", "-c",
          "SELECT tick, time_s, 1000 * hip_x_m, 1000 * hip_y_m, 1000 * go_x_m, 1000 * go_y_m, "
          "sqrt(rendered_x_n * rendered_x_n + rendered_y_n * rendered_y_n), mode FROM sample WHERE "
          "trial_id = 2 AND mode <> 'free' ORDER BY tick LIMIT 1 OFFSET 700"});
     REQUIRE(asked.code == 0);
-    const auto row = tests::csv_rows(asked.out).at(1);
+    const auto row = csv_rows(asked.out).at(1);
     CAPTURE(asked.out);
     REQUIRE(row.size() == 8);
     // A script that its policy does not name looks at the first ticks for a minus before zero,
     // moves the slider to that tick, keeps what stands there, goes as close as it can, and presses
     // play.
-    tests::write(
-        page,
-        tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
-            fmt::format("<script>var s = document.querySelector('.stage input'), p = "
+    write(page, replaced(slurp(page), "Content-Security-Policy", "none") +
+                    fmt::format(
+                        "<script>var s = document.querySelector('.stage input'), p = "
                         "document.querySelector('.stage p'), data = document.body.dataset; "
                         "function go(to) {{ s.value = to; s.dispatchEvent(new Event('input')); }} "
                         "data.minus = 0; for (var t = 0; t < 300; ++t) {{ go(t); "
@@ -46,7 +33,7 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
                         "data.closest = document.querySelector('.live output').textContent; "
                         "document.querySelector('.stage button').click();</script>",
                         row[0]));
-    const tests::Browsed shown = tests::browsed(folder, page, "--dump-dom");
+    const Browsed shown = browsed(folder, page, "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");
         return;

@@ -1,10 +1,7 @@
-#include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
 #include "tests/support/short_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
@@ -23,15 +20,12 @@ std::string session_of_four(const TemporaryFolder& folder) {
     return session_of(folder, kFourTrials);
 }
 
-std::string page_of(const std::string& file, int trial, std::vector<std::string> words = {}) {
-    const std::string page = file + ".html";
-    words.insert(words.begin(), {"report", file, "--trial", std::to_string(trial), "-o", page});
-    ran(words);
-    return slurp(page);
+std::string page_of_trial(const std::string& file, int trial, const Words& words = {}) {
+    return page_of(file, joined({"--trial", std::to_string(trial)}, words));
 }
 
 /// Rows of a query, its head first.
-std::vector<std::vector<std::string>> ask(const std::string& file, const std::string& sql) {
+std::vector<Words> ask(const std::string& file, const std::string& sql) {
     return csv_rows(sql_csv(file, sql));
 }
 
@@ -42,10 +36,8 @@ double number(const std::string& text) {
 /// What the script draws, one for each interval.
 std::vector<Json> drawn_in(const std::string& page) {
     std::vector<Json> all;
-    const std::string open = "class=\"ticks\">";
-    for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at + 1)) {
-        const std::size_t begin = at + open.size();
-        all.push_back(Json::parse(page.substr(begin, page.find("</script>", begin) - begin)));
+    for (const std::string& ticks : between(page, "class=\"ticks\">", "</script>")) {
+        all.push_back(Json::parse(ticks));
     }
     return all;
 }
@@ -168,7 +160,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = session_of_four(folder);
     for (const int trial : {1, 4}) {
-        const std::string page = page_of(file, trial);
+        const std::string page = page_of_trial(file, trial);
         CAPTURE(trial);
         check_measures(page, file, trial, 1);
         const auto drawn = drawn_in(page);
@@ -193,22 +185,18 @@ TEST_CASE(
             CHECK(name.starts_with("simulated-"));
         }
         CHECK(sources_of(page).size() >= 4);
-        CHECK(page.find(kCode) == std::string::npos);
+        CHECK_THAT(page, !Has(kCode));
         CHECK_THAT(page, Has("content: \"SIMULATED\"", "<strong>Simulated data.</strong>",
                              "<dt>Seal</dt><dd>holds<"));
-        CHECK(page_of(file, trial) == page);
-        CHECK_THAT(page_of(file, trial, {"--keep-codes"}), Has(kCode));
-        for (const char* foreign :
-             {"http:", "https:", "//www", "<link", "<img", "src=", "@import", "url(h", "onload"}) {
-            CAPTURE(foreign);
-            CHECK(page.find(foreign) == std::string::npos);
-        }
+        CHECK(page_of_trial(file, trial) == page);
+        CHECK_THAT(page_of_trial(file, trial, {"--keep-codes"}), Has(kCode));
+        CHECK_THAT(page, HasNone("http:", "https:", "//www", "<link", "<img", "src=", "@import",
+                                 "url(h", "onload"));
         CHECK_THAT(page, Has("Permission is hereby granted"));
     }
     // Somebody changed an answer: the page says that its seal does not hold.
-    data::Database(file, data::Access::write)
-        .execute("UPDATE response SET reaction_s = 0.5 WHERE trial_id = 4");
-    CHECK_THAT(page_of(file, 4), Has("<dt>Seal</dt><dd>does not hold"));
+    sql_edit(file, "UPDATE response SET reaction_s = 0.5 WHERE trial_id = 4");
+    CHECK_THAT(page_of_trial(file, 4), Has("<dt>Seal</dt><dd>does not hold"));
 }
 
 TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks",
@@ -219,7 +207,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
               short_text("shape_friction_demo",
                          {{"[safety]\n", "[safety]\nspeed_limit_m_per_s = 0.05\n"}}));
         const std::string file = session_of(folder, folder.file("p.toml"));
-        const std::string page = page_of(file, 1);
+        const std::string page = page_of_trial(file, 1);
         const auto fault = ask(file, "SELECT max(time_s) FROM fault_tick WHERE trial_id = 1");
         const auto drawn = drawn_in(page);
         REQUIRE(drawn.size() == 1);
@@ -235,7 +223,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
                                             {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
                                             {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
         ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
-        const std::string page = page_of(file, 2);
+        const std::string page = page_of_trial(file, 2);
         const auto drawn = drawn_in(page);
         REQUIRE(drawn.size() == 2);
         check_ticks(drawn[0], file, 2, 1, false);
@@ -248,7 +236,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
                          {{"repetitions = 5", "repetitions = 1"},
                           {"practice_repetitions = 1", "practice_repetitions = 0"}}));
         const std::string file = session_of(folder, folder.file("p.toml"));
-        const std::string page = page_of(file, 2);
+        const std::string page = page_of_trial(file, 2);
         const auto drawn = drawn_in(page);
         REQUIRE(drawn.size() == 1);
         check_ticks(drawn[0], file, 2, 1, true);
@@ -262,12 +250,12 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     SECTION("no ticks, and what is refused") {
         const std::string file = folder.file("none.sqlite");
         ran({"simulate", kFourTrials, "--participants", "1", "--no-traces", "--db", file});
-        const std::string page = page_of(file, 3);
+        const std::string page = page_of_trial(file, 3);
         CHECK_THAT(page, Has("No ticks are kept of this trial") && !Has("<script"));
         check_measures(page, file, 3, 1);
-        const auto refused = [&](std::vector<std::string> words, const std::string& why) {
-            words.insert(words.begin(), {"report", file, "-o", folder.file("r.html")});
-            CHECK_THAT(ran(words, 2).error, Has(why));
+        const auto refused = [&](const Words& words, const std::string& why) {
+            CHECK_THAT(ran(joined({"report", file, "-o", folder.file("r.html")}, words), 2).error,
+                       Has(why));
             CHECK_FALSE(std::filesystem::exists(folder.file("r.html")));
         };
         refused({"--trial", "99"}, "has no trial 99: its trial_id go from 1 to 4");
@@ -287,7 +275,7 @@ TEST_CASE("a browser draws every tick of a page of a trial, without an error or 
           "[report]") {
     const TemporaryFolder folder;
     const std::string file = session_of_four(folder);
-    static_cast<void>(page_of(file, 2));
+    static_cast<void>(page_of_trial(file, 2));
     const Browsed shown = browsed(folder, file + ".html", "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");

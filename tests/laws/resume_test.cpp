@@ -1,8 +1,4 @@
-#include <csignal>
-
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "data/store/reader.hpp"
 #include "tests/support/child.hpp"
@@ -10,12 +6,9 @@
 #include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
-std::vector<std::string> words(const std::string& file, const std::string& speed = "0") {
+Words words(const std::string& file, const std::string& speed = "0") {
     return run_words("shape_friction_demo", "P1", file,
                      {"--headless", "--speed", speed, "--secret", kRunSecret});
 }
@@ -24,10 +17,8 @@ std::vector<std::string> words(const std::string& file, const std::string& speed
 std::unique_ptr<Process> run_into_trial(const std::string& file,
                                         std::int64_t position,
                                         const std::string& speed = "40") {
-    std::vector<std::string> command = words(file, speed);
-    command.insert(command.begin(), palpate_program());
-    auto process =
-        std::make_unique<Process>(command, std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
+    const Words command = command_of(words(file, speed));
+    auto process = std::make_unique<Process>(command, Words{"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 5000 && process->running(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
         try {
@@ -55,18 +46,9 @@ std::vector<data::Ticks> answered_traces(const std::string& file) {
 }
 
 std::string answers(const std::string& file) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(
-        "SELECT plan_position, planned_object, friction, chosen_object, reaction_s FROM "
-        "analysis_trial WHERE counts ORDER BY plan_position");
-    std::string text;
-    while (row.step()) {
-        for (int i = 0; i < 5; ++i) {
-            text += row.text(i) + ' ';
-        }
-        text += '\n';
-    }
-    return text;
+    return sql_lines(file,
+                     "SELECT plan_position, planned_object, friction, chosen_object, reaction_s "
+                     "FROM analysis_trial WHERE counts ORDER BY plan_position");
 }
 
 /// A number out of the database, -1 as long as it is not there.
@@ -119,12 +101,10 @@ private:
 
 /// A session at full speed with its standard output in the file `out`.
 std::unique_ptr<Process> run_into(const std::string& out, const std::string& file) {
-    std::vector<std::string> command{"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"",
-                                     "sh", out,  palpate_program()};
-    const auto rest = words(file);
-    command.insert(command.end(), rest.begin(), rest.end());
-    return std::make_unique<Process>(command,
-                                     std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
+    return std::make_unique<Process>(
+        joined({"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"", "sh", out},
+               command_of(words(file))),
+        Words{"DISPLAY", "WAYLAND_DISPLAY"});
 }
 
 }  // namespace
@@ -164,8 +144,7 @@ TEST_CASE(
 
 TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit code 3, resumable",
           "[crash]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     process->signal(SIGINT);
     const Finished stopped = process->wait();
@@ -173,8 +152,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
     CHECK_THAT(stopped.out, Has("goes on there"));
     {
         data::Database database(file, data::Access::read);
-        auto row = database.prepare("SELECT trial_id, ticks FROM trial WHERE outcome = 'aborted'");
-        REQUIRE(row.step());
+        auto row = database.first("SELECT trial_id, ticks FROM trial WHERE outcome = 'aborted'");
         const auto trace = data::TraceReader(database).read(row.integer(0));
         CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
     }
@@ -225,13 +203,11 @@ TEST_CASE("a file that something writes over while it is in use is not said to b
 }
 
 TEST_CASE("who deletes the log of a running session spoils nobody's session", "[crash][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::vector<std::string> command = words(file, "10");
-    command.insert(command.begin(), palpate_program());
+    const TemporaryFile file("d.sqlite");
+    const Words command = command_of(words(file, "10"));
     Process first(command, {"DISPLAY", "WAYLAND_DISPLAY"});
     // Not asked of the file: while somebody reads it, a part of an answer may stand in the log.
-    REQUIRE(eventually([&] { return first.out().find("\n#2 ") != std::string::npos; }));
+    REQUIRE(first.says("\n#2 "));
     std::filesystem::remove(file + "-wal");
     std::filesystem::remove(file + "-shm");
     first.signal(SIGSTOP);  // what both wrote would be in two files
@@ -241,10 +217,10 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session", "[
     first.signal(SIGCONT);
     check_end(first.wait(), 1, Has("d.sqlite.rescued: put that in its place"));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
-    CHECK(palpate_command(words(file)).code == 0);
+    ran(words(file));
     CHECK(std::filesystem::status(file + ".rescued").permissions() ==
           (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
-    CHECK(palpate_command({"verify", file + ".rescued"}).code == 0);
+    ran({"verify", file + ".rescued"});
 }
 
 TEST_CASE("a database put in the place of a running session's is neither read nor written",
@@ -252,11 +228,10 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string other = folder.file("other.sqlite");
-    REQUIRE(palpate_command(words(other)).code == 0);
-    std::vector<std::string> command = words(file, "10");
-    command.insert(command.begin(), palpate_program());
+    ran(words(other));
+    const Words command = command_of(words(file, "10"));
     Process running(command, {"DISPLAY", "WAYLAND_DISPLAY"});
-    REQUIRE(eventually([&] { return running.out().find("\n#2 ") != std::string::npos; }));
+    REQUIRE(running.says("\n#2 "));
     running.signal(SIGSTOP);  // else it ends when it sees that its file was moved
     std::filesystem::rename(file, folder.file("moved.sqlite"));
     std::filesystem::copy_file(other, file);
@@ -267,14 +242,12 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     CHECK(slurp(file) == slurp(other));
     std::filesystem::remove(file);
     std::filesystem::rename(folder.file("moved.sqlite"), file);
-    running.signal(SIGCONT);
-    CHECK(running.wait().code == 0);
+    CHECK(running.ended_by(SIGCONT) == 0);
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }
 
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     REQUIRE(process->running());
     CHECK_THAT(ran(words(file), 1).error, Has("another palpate"));
@@ -286,19 +259,18 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
 
 TEST_CASE("what runs in another container is not run again, and nobody is told that nothing runs",
           "[crash][safety][law]") {
-    const auto elsewhere = [](std::vector<std::string> command) {
-        command.insert(command.begin(), {"unshare", "--user", "--map-root-user", "--net"});
-        return Process(command, {"DISPLAY", "WAYLAND_DISPLAY"}).wait();
+    const auto elsewhere = [](const Words& command) {
+        return Process(joined({"unshare", "--user", "--map-root-user", "--net"}, command),
+                       {"DISPLAY", "WAYLAND_DISPLAY"})
+            .wait();
     };
     if (elsewhere({"true"}).code != 0) {
         WARN("this kernel gives no namespace of networks: not tried");
         return;
     }
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     const std::string palpate = palpate_program();
-    std::vector<std::string> run = words(file);
-    run.insert(run.begin(), palpate);
+    const Words run = command_of(words(file));
     const auto first = run_into_trial(file, 1, "2");
     check_end(elsewhere(run), 1, Has("another palpate"));
     check_end(elsewhere({palpate, "stop", file}), 1,
@@ -309,7 +281,7 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
     CHECK_THAT(elsewhere({palpate, "sql", file, "-c", "SELECT 1"}).error,
                Has("a session runs on it"));
     {  // one that can be called hides none that cannot
-        std::vector<std::string> beyond{"unshare", "--user", "--map-root-user", "--net", palpate};
+        Words beyond{"unshare", "--user", "--map-root-user", "--net", palpate};
         for (const std::string& word : words(file, "2")) {
             beyond.push_back(word == "P1" ? "P2" : word);
         }
@@ -332,8 +304,7 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
 
 TEST_CASE("a session that was stopped from a shell keeps its log, whoever else writes the file",
           "[crash][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1, "2");
     ran({"stop", file});
     ran({"participant", file, "P1", "--set", "age=31"});

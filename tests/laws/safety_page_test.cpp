@@ -12,7 +12,7 @@ const fs::path kHouse = PALPATE_SOURCE_DIR;
 
 /// A C++ file with its string literals in one piece each, as the compiler joins them.
 std::string joined(const fs::path& file) {
-    const std::string text = palpate::tests::slurp(file);
+    const std::string text = slurp(file);
     std::string whole;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const std::size_t next =
@@ -45,8 +45,8 @@ bool has_test(const fs::path& file, const std::string& name) {
     return false;
 }
 
-std::vector<std::string> parts_of(const std::string& text, const std::string& between) {
-    std::vector<std::string> parts;
+Words parts_of(const std::string& text, const std::string& between) {
+    Words parts;
     std::size_t at = 0;
     for (std::size_t end = text.find(between); end != std::string::npos;
          end = text.find(between, at)) {
@@ -99,14 +99,14 @@ TEST_CASE("every hazard of docs/safety.md has a measure in the sources and tests
           "[documents][safety][law]") {
     int rows = 0;
     int tests = 0;
-    std::istringstream page(palpate::tests::slurp(kHouse / "docs" / "safety.md"));
+    std::istringstream page(slurp(kHouse / "docs" / "safety.md"));
     for (std::string line; std::getline(page, line);) {
         verdicts_follow(line);  // of any table
         if (line.size() < 3 || std::isdigit(static_cast<unsigned char>(line[2])) == 0) {
             continue;
         }
         CAPTURE(line);
-        const std::vector<std::string> cells = parts_of(line, " | ");
+        const Words cells = parts_of(line, " | ");
         // number, hazard, cause, before, measure, test, after, rest risk
         REQUIRE(cells.size() == 8);
         CHECK(cells[0] == "| " + std::to_string(++rows));

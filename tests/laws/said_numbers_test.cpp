@@ -2,8 +2,6 @@
 
 // Where answers do not determine a number, fit and stats say so, and why.
 
-using namespace palpate::tests;
-
 TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them",
           "[fit][law]") {
     const TemporaryFolder folder;
@@ -113,9 +111,8 @@ TEST_CASE("a mixed model of a condition that is all right has no effect but a ra
     }
     const std::string file = folder.file("t.csv");
     std::ofstream(file) << text;
-    const auto done =
-        palpate_command({"stats", file, "--json", "--simulations", "0", "--permutations", "0"});
-    REQUIRE(done.code == 0);
+    const Finished done =
+        ran({"stats", file, "--json", "--simulations", "0", "--permutations", "0"});
     const auto model = nlohmann::json::parse(done.out)["applied"]["mixed_model"]["on"]["laplace"];
     CHECK(model["effect"].is_null());
     CHECK(model["effect_se"].is_null());

@@ -3,8 +3,6 @@
 
 // Scenes whose inside nobody can tell are refused by both commands that read them, at their place.
 
-using namespace palpate;
-using namespace palpate::tests;
 using engine::Vec2;
 
 namespace {
@@ -36,7 +34,7 @@ void both_say(const std::string& scene, const std::string& sentence, const std::
             continue;
         }
         check_end(done, 2, Has(folder.file("s.toml") + ":" + sentence));
-        CHECK(folder.names() == std::vector<std::string>{"p.csv", "s.toml"});
+        CHECK(folder.names() == Words{"p.csv", "s.toml"});
     }
 }
 
@@ -141,7 +139,7 @@ TEST_CASE("weights too far apart are named as they were written, at their place"
 }
 
 TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "[cli]") {
-    const TemporaryFolder folder;
+    const TemporaryFile file("c.toml");
     // Both free points move as one (offline_tools_test.cpp): omega = sqrt(48 / 0.03) = 40 rad/s.
     const std::string bow =
         "degree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
@@ -149,9 +147,9 @@ TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "
         "alpha = 10.0\nbeta = 0.5\nfixed = [0, 3]\nforce_n = [0.0, -1.0]\nat_u = 0.5\n";
     for (const double step : {0.024, 0.026, 10.0}) {
         CAPTURE(step);
-        write(folder.file("c.toml"), bow + fmt::format("dt_s = {}\n", step));
-        const Finished done = ran({"deform", folder.file("c.toml"), "--times", "50,100"});
-        CHECK(done.out.find("warn") == std::string::npos);
+        write(file, bow + fmt::format("dt_s = {}\n", step));
+        const Finished done = ran({"deform", file, "--times", "50,100"});
+        CHECK_THAT(done.out, !Has("warn"));
         if (step < 1.0 / 40.0) {
             CHECK(done.error.empty());
             continue;

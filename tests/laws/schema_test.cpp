@@ -1,10 +1,3 @@
-#include <functional>
-#include <sstream>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "protocols/file/procedure_file.hpp"
@@ -12,21 +5,13 @@
 #include "protocols/file/scene_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
-
-using namespace palpate;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::slurp;
-using tests::TemporaryFolder;
 
 namespace {
 
 /// Files of a kind, and whether the program takes one.
 struct Kind {
     std::string name;
-    std::vector<std::string> files;
+    Words files;
     std::function<void(const std::string& text)> parse;
 };
 
@@ -35,16 +20,16 @@ std::string of_house(const std::string& file) {
 }
 
 /// Calibrations as `palpate commission` leaves them.
-std::vector<std::string> commissioned(const TemporaryFolder& folder) {
+Words commissioned(const TemporaryFolder& folder) {
     engine::RigRecord record;
     record.device = "haply:/dev/ttyACM0";
     record.program = "0.1.0";
     record.calibration = std::string(64, 'a');
     record.mark = engine::Vec3(0.01, 0.02, 0.0);
-    std::vector<std::string> files;
+    Words files;
     for (const std::string& of : {std::string("haplet"), of_house("examples/gantry.toml")}) {
         files.push_back(folder.file(fmt::format("commissioned_{}.toml", files.size())));
-        tests::write(files.back(), protocols::to_toml(protocols::load_calibration(of), record));
+        write(files.back(), protocols::to_toml(protocols::load_calibration(of), record));
     }
     return files;
 }
@@ -69,7 +54,7 @@ std::vector<Kind> kinds(const TemporaryFolder& folder) {
         calibration.files.push_back(of_house(shipped));
     }
     const std::string observer = folder.file("observer.toml");
-    tests::write(observer, protocols::observer_example());
+    write(observer, protocols::observer_example());
     const std::string corpus = of_house("tests/fuzz/corpus/");
     return {std::move(protocol),
             std::move(calibration),
@@ -102,13 +87,13 @@ bool taken(const Kind& kind, const std::string& file) {
 }
 
 /// Lines of mutants.py; none if its packages are not installed.
-std::vector<std::vector<std::string>> judged(const TemporaryFolder& folder, const Kind& kind) {
+std::vector<Words> judged(const TemporaryFolder& folder, const Kind& kind) {
     const Finished printed = palpate_command({"words", "schema", "--of", kind.name});
     REQUIRE(printed.code == 0);
-    tests::write(folder.file("schema.json"), printed.out);
-    std::vector<std::string> words{"python3", of_house("tests/laws/mutants.py"),
-                                   folder.file("schema.json"), folder.path().string()};
-    words.insert(words.end(), kind.files.begin(), kind.files.end());
+    write(folder.file("schema.json"), printed.out);
+    const Words words = joined({"python3", of_house("tests/laws/mutants.py"),
+                                folder.file("schema.json"), folder.path().string()},
+                               kind.files);
     const Finished done = Process(words).wait();
     if (done.code == 127 || done.error.find("No module named") != std::string::npos) {
         WARN("python3-jsonschema is not installed: not checked");
@@ -116,7 +101,7 @@ std::vector<std::vector<std::string>> judged(const TemporaryFolder& folder, cons
     }
     CAPTURE(done.error);
     REQUIRE(done.code == 0);
-    std::vector<std::vector<std::string>> lines;
+    std::vector<Words> lines;
     std::istringstream text(done.out);
     for (std::string what, file, verdict; std::getline(text, what, '\t') &&
                                           std::getline(text, file, '\t') &&

@@ -1,12 +1,8 @@
-#include <csignal>
-
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/window.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using Names = std::set<std::string>;
 
 // The pictures that `palpate screenshots` makes of a protocol, beside what it asks for and what a
@@ -19,13 +15,12 @@ constexpr const char* kYesOrNo = "\n[response]\nkind = \"yes_no\"\nquestion = \"
 
 /// The pictures of a protocol by the names of their screens, byte for byte.
 std::map<std::string, std::string> pictures_of(const std::string& protocol,
-                                               const std::vector<std::string>& more = {}) {
+                                               const Words& more = {}) {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), protocol);
-    std::vector<std::string> words{"screenshots", "--protocol",         folder.file("p.toml"),
-                                   "-o",          folder.file("shots"), "--width",
-                                   "640",         "--height",           "480"};
-    words.insert(words.end(), more.begin(), more.end());
+    const Words words = joined({"screenshots", "--protocol", folder.file("p.toml"), "-o",
+                                folder.file("shots"), "--width", "640", "--height", "480"},
+                               more);
     ran(words);
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
@@ -198,8 +193,7 @@ TEST_CASE("pictures speak the protocol's language, or the one that is asked for"
 
 TEST_CASE("in each language a picture is to the pixel what a session's window shows",
           "[window][screen][law]") {
-    const std::string language = GENERATE("en", "tr");
-    CAPTURE(language);
+    EACH(language, as<std::string>{}, "en", "tr");
     const TemporaryFolder folder;
     std::string text =
         replaced(four_trials(), "[apparatus]\n",
@@ -209,7 +203,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots")});
     WindowSession session(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"),
                                     {"--device", "mouse", "--windowed"}),
-                          folder.file("d.sqlite"), {"SDL_RENDER_DRIVER=software"}, {});
+                          {"SDL_RENDER_DRIVER=software"}, {});
     const auto shows = [&](const std::string& screen, const std::string& picture) {
         CAPTURE(picture);
         const auto window = session.wait_for_screen(screen);
@@ -240,8 +234,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     session.press_at("ready", "space");
     session.press_at("explore", "Escape");
     shows("trouble", "stopped");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("patches are drawn in the light from the left, on a block, and from where is said",
@@ -283,12 +276,11 @@ TEST_CASE("the frame of the marked answer stands clear of a question of two line
     const auto [width, height] =
         GENERATE(std::pair{1280, 800}, std::pair{800, 600}, std::pair{1920, 1080});
     CAPTURE(width, height);
-    const TemporaryFolder folder;
-    write(folder.file("p.toml"),
-          four_trials() +
-              "\n[response]\nquestion = \"Which of the two shapes below was the one that "
-              "you have just felt with the handle?\"\n");
-    const ScreenImage image = question_of(folder.file("p.toml"), width, height);
+    const TemporaryFile file("p.toml");
+    write(file, four_trials() +
+                    "\n[response]\nquestion = \"Which of the two shapes below was the one that "
+                    "you have just felt with the handle?\"\n");
+    const ScreenImage image = question_of(file, width, height);
     int frame = 0;
     while (frame < height && count_in_row(image, frame, value(ui::kAccent)) < width / 10) {
         ++frame;

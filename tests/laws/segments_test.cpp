@@ -2,10 +2,7 @@
 
 #include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using engine::Vec2;
 
 namespace {
@@ -179,7 +176,7 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
             continue;
         }
         const std::string stem = path.substr(0, path.size() - end.size());
-        std::vector<std::string> names;
+        Words names;
         for (const Row& channel : csv_records(slurp(stem + "_channels.tsv"), '\t')) {
             names.push_back(channel.at("name"));
         }

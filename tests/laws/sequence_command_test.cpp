@@ -1,9 +1,6 @@
 #include "data/store/session_store.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
 /// The plan of a recorded session, as `palpate sequence --csv` writes it but for the block.
@@ -31,25 +28,18 @@ std::string recorded_pictures(data::Database& database, std::int64_t session) {
     return text + '\n';
 }
 
-std::string recorded_hash(data::Database& database, std::int64_t session) {
-    return database.first("SELECT plan_sha256 FROM session WHERE session_id = ?1", session).text(0);
-}
-
 /// What sequence says of a session in a database, against what was run there.
-void check_against(const std::string& file,
-                   std::int64_t session,
-                   const std::vector<std::string>& words) {
+void check_against(const std::string& file, std::int64_t session, const Words& words) {
     data::Database database(file, data::Access::read);
-    std::vector<std::string> command = {"sequence"};
-    command.insert(command.end(), words.begin(), words.end());
-    CHECK_THAT(ran(command).out, Has("plan " + recorded_hash(database, session) + '\n',
-                                     recorded_pictures(database, session)));
-    command.emplace_back("--csv");
-    const Finished csv = ran(command);
-    CHECK(csv.out == recorded_plan(database, session));
+    const auto plan =
+        database.first("SELECT plan_sha256 FROM session WHERE session_id = ?1", session);
+    const Words command = joined({"sequence"}, words);
+    CHECK_THAT(ran(command).out,
+               Has("plan " + plan.text(0) + '\n', recorded_pictures(database, session)));
+    CHECK(ran(joined(command, {"--csv"})).out == recorded_plan(database, session));
 }
 
-std::vector<std::string> words_of_run(const std::string& participant, const std::string& file) {
+Words words_of_run(const std::string& participant, const std::string& file) {
     return run_words("shape_friction_demo", participant, file, {"--headless"});
 }
 
@@ -65,39 +55,30 @@ TEST_CASE("sequence prints exactly the plan that is run, before and after", "[se
 }
 
 TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     {  // as if a person had been there: the next row of pictures depends on it
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET session_kind = 'real'");
     }
-    const std::vector<std::string> next = {
-        "shape_friction_demo", "--participant", "P2", "--db", file, "--seed", "5"};
-    std::vector<std::string> command = {"sequence"};
-    command.insert(command.end(), next.begin(), next.end());
+    const Words next = {"shape_friction_demo", "--participant", "P2", "--db", file, "--seed", "5"};
+    const Words command = joined({"sequence"}, next);
     const Finished announced = palpate_command(command);
-    auto run = words_of_run("P2", file);
-    run.insert(run.end(), {"--seed", "5"});
+    const Words run = joined(words_of_run("P2", file), {"--seed", "5"});
     CHECK_THAT(ran(run).out, Has(announced.out.substr(announced.out.find("code "), 14)));
     check_against(file, 2, {"shape_friction_demo", "--participant", "P2", "--db", file});
     CHECK_THAT(announced.out, Has("used by 0 other participants"));
 
-    const std::vector<std::string> second = {
+    const Words second = {
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
-    auto again = words_of_run("P2", file);
-    again.insert(again.end(), {"--session", "2"});
-    std::vector<std::string> foretold = second;
-    foretold.insert(foretold.begin(), "sequence");
-    foretold.insert(foretold.end(), {"--kind", "simulated"});
-    const std::string code = ran(foretold).out;
+    const Words again = joined(words_of_run("P2", file), {"--session", "2"});
+    const std::string code = ran(joined(joined({"sequence"}, second), {"--kind", "simulated"})).out;
     CHECK_THAT(ran(again).out, Has(code.substr(code.find("code "), 14)));
     check_against(file, 3, second);
 }
 
 TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     {
         data::Database database(file, data::Access::write);
@@ -111,8 +92,7 @@ TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[
 
 TEST_CASE("the plan of a session that was run under another code is printed as it was run",
           "[sequence][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     ran({"participant", file, "P5", "--new"});
     ran({"participant", file, "P1", "--is-really", "P5", "--reason", "mistyped"});
@@ -131,15 +111,11 @@ TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") 
 }
 
 TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("study.sqlite");
+    const TemporaryFile file("study.sqlite");
     const auto sequence = [&](const std::string& code, bool of_file) {
-        std::vector<std::string> words{"sequence", "shape_friction_demo", "--participant", code,
-                                       "--csv"};
-        if (of_file) {
-            words.insert(words.end(), {"--db", file});
-        }
-        return palpate_command(words);
+        return palpate_command(
+            joined({"sequence", "shape_friction_demo", "--participant", code, "--csv"},
+                   of_file ? Words{"--db", file} : Words{}));
     };
     const auto run = [&](const std::string& code) {
         return palpate_command(run_words("shape_friction_demo", code, file, {"--headless"})).code;

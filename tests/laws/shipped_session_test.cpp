@@ -1,10 +1,7 @@
 #include "protocols/library/shipped.hpp"
-#include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/studies.hpp"
 
 namespace {
 
@@ -21,12 +18,6 @@ std::string written(const TemporaryFolder& folder, const Short& one) {
     const std::string file = folder.file("p.toml");
     std::ofstream(file) << short_text(one.name, one.edits);
     return file;
-}
-
-std::int64_t number(data::Database& database, const std::string& sql) {
-    auto row = database.prepare(sql);
-    REQUIRE(row.step());
-    return row.integer(0);
 }
 
 }  // namespace
@@ -54,19 +45,17 @@ TEST_CASE(
     CHECK_THAT(ran(run_words(file, "P1", db, {"--headless"})).out, Has("Finished."));
     {
         data::Database database(db, data::Access::read);
-        CHECK(number(database, "SELECT count(*) FROM plan") == one.trials);
-        CHECK(number(database,
-                     "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE "
-                     "invalid_reason IS NULL") == one.trials);
-        CHECK(number(database,
-                     "SELECT count(*) FROM presentation JOIN trial USING (trial_id) JOIN response "
-                     "USING (trial_id) WHERE invalid_reason IS NULL") == one.intervals);
-        CHECK(number(database,
-                     "SELECT count(*) FROM analysis_trial WHERE run_trial_number IS NOT NULL") ==
-              one.steps);
+        CHECK(count(database, "plan") == one.trials);
+        CHECK(count(database,
+                    "response JOIN trial USING (trial_id) WHERE "
+                    "invalid_reason IS NULL") == one.trials);
+        CHECK(count(database,
+                    "presentation JOIN trial USING (trial_id) JOIN response "
+                    "USING (trial_id) WHERE invalid_reason IS NULL") == one.intervals);
+        CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL") == one.steps);
         // From rest to rest a soft object gives no more than sampling leaks.
         CHECK((one.name != std::string("softness_2afc") ||
-               number(database, "SELECT count(*) FROM trial WHERE worst_episode_j > 0") == 0));
+               count(database, "trial WHERE worst_episode_j > 0") == 0));
     }
     CHECK_THAT(ran({"verify", db}).out, Has("Nothing differs"));
 }

@@ -1,15 +1,11 @@
-#include <csignal>
-
 #include <nlohmann/json.hpp>
 
 #include "protocols/file/observer_file.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 
@@ -17,25 +13,16 @@ namespace {
 
 /// Typical people with quick hands: a trial is simulated in a third of the time.
 std::string people_file() {
-    static const TemporaryFolder folder;
-    const std::string file = folder.file("people.toml");
+    static const TemporaryFile file("people.toml");
     protocols::ObserverModel model = protocols::typical_observer();
     model.hand.speed = 2.5;
     write(file, protocols::observer_text(model));
     return file;
 }
 
-std::vector<std::string> simulate(const std::vector<std::string>& more,
-                                  const std::string& people = "4") {
-    std::vector<std::string> words{"simulate", kFourTrials,  "--participants",
-                                   people,     "--observer", people_file()};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
-std::vector<std::string> program(std::vector<std::string> words) {
-    words.insert(words.begin(), palpate_program());
-    return words;
+Words simulate(const Words& more, const std::string& people = "4") {
+    return joined({"simulate", kFourTrials, "--participants", people, "--observer", people_file()},
+                  more);
 }
 
 /// All that the rows say, names and seals of sessions too.
@@ -61,7 +48,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
         REQUIRE(ran.code == 0);
         CHECK(slurp(file) == slurp(one));
     }
-    std::vector<std::string> merge{"merge", "--expect", "3", folder.file("all.sqlite")};
+    Words merge{"merge", "--expect", "3", folder.file("all.sqlite")};
     for (const char* shard : {"2/3", "0/3"}) {
         ran(simulate({"-o", folder.file("shards"), "--shard", shard, "--threads", "1"}));
         merge.push_back(
@@ -69,7 +56,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
     const Finished missing = ran(merge, 2);
     CHECK_THAT(missing.error, Has("one shard of 3 missing", "--array=1"));
-    std::vector<std::string> miscounted = merge;
+    Words miscounted = merge;
     miscounted[2] = "2";
     CHECK_THAT(ran(miscounted, 2).error, Has("of-003.sqlite: it is one of 3 shards, not of 2"));
     // A shard is what it holds, whatever its name.
@@ -93,22 +80,18 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     // The last one as Slurm would run its script.
     const Finished script =
         ran(simulate({"-o", folder.file("shards"), "--slurm", "3", "--threads", "2"}));
-    for (const char* line : {"#SBATCH --array=0-2\n", "#SBATCH --cpus-per-task=2\n",
-                             "#SBATCH --signal=B:TERM@60\n", "#SBATCH --requeue\n", "\nexec "}) {
-        CHECK_THAT(script.out, Has(line));
-    }
+    CHECK_THAT(script.out, Has("#SBATCH --array=0-2\n", "#SBATCH --cpus-per-task=2\n",
+                               "#SBATCH --signal=B:TERM@60\n", "#SBATCH --requeue\n", "\nexec "));
     write(folder.file("study.sbatch"), script.out);
-    const auto task = Process({"sh", folder.file("study.sbatch")},
-                              {"SLURM_ARRAY_TASK_ID=1", "SLURM_CPUS_PER_TASK=2",
-                               "TMPDIR=" + folder.file("shards"), "SLURM_ARRAY_TASK_COUNT=1"})
-                          .wait();
-    CAPTURE(task.error);
-    REQUIRE(task.code == 0);
+    ended(Process({"sh", folder.file("study.sbatch")},
+                  {"SLURM_ARRAY_TASK_ID=1", "SLURM_CPUS_PER_TASK=2",
+                   "TMPDIR=" + folder.file("shards"), "SLURM_ARRAY_TASK_COUNT=1"})
+              .wait());
     merge.push_back(folder.file("shards/shard-001-of-003.sqlite"));
     ran(merge);
     CHECK(content(folder.file("all.sqlite")) == content(one));
-    const auto again = palpate_command({"merge", folder.file("all.sqlite"), one});
-    CHECK_THAT(again.out, Has("0 sessions new, 0 went on, 4 as before"));
+    CHECK_THAT(palpate_command({"merge", folder.file("all.sqlite"), one}).out,
+               Has("0 sessions new, 0 went on, 4 as before"));
 
     CHECK_THAT(ran({"verify", one}).out, Has("Nothing differs."));
 }
@@ -121,10 +104,7 @@ TEST_CASE("a simulation follows no link that somebody laid beside its file, and 
     std::ofstream(mine) << "a diary";
     std::ofstream(file + ".new") << "a letter";
     fs::create_symlink(mine, file + ".partial.new");
-    const auto ran =
-        palpate_command(simulate({"--db", file, "--scratch", folder.file("scratch")}, "2"));
-    CAPTURE(ran.error);
-    CHECK(ran.code == 0);
+    ran(simulate({"--db", file, "--scratch", folder.file("scratch")}, "2"));
     CHECK(slurp(mine) == "a diary");
     CHECK(slurp(file + ".new") == "a letter");
     CHECK(fs::is_symlink(file + ".partial.new"));
@@ -139,13 +119,11 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     const std::string people = "8";
     ran(simulate({"--db", whole}, people));
     /// Begins it, and sends the signal when the second participant is kept. @return the exit code
-    const auto broken_off = [&](const std::string& file, int signal,
-                                const std::vector<std::string>& more) {
+    const auto broken_off = [&](const std::string& file, int signal, const Words& more) {
         for (int tries = 0; tries < 5; ++tries) {
             fs::remove(file);
-            auto words = simulate({"--db", file, "--threads", "1"}, people);
-            words.insert(words.end(), more.begin(), more.end());
-            Process run(program(words));
+            Words words = joined(simulate({"--db", file, "--threads", "1"}, people), more);
+            Process run(command_of(words));
             while (run.running() && run.out().find("S000002") == std::string::npos) {
                 pause(0.001);
             }
@@ -164,28 +142,26 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     CHECK(slurp(killed) == slurp(whole));
 
     const std::string stopped = folder.file("stopped.sqlite");
-    const std::vector<std::string> scratch{"--scratch", folder.file("scratch")};
+    const Words scratch{"--scratch", folder.file("scratch")};
     CHECK(broken_off(stopped, SIGTERM, scratch) == 3);
     CHECK(fs::exists(stopped + ".partial"));
     CHECK(fs::is_empty(folder.file("scratch")));
-    auto words = simulate({"--db", stopped}, people);
-    words.insert(words.end(), scratch.begin(), scratch.end());
+    const Words words = joined(simulate({"--db", stopped}, people), scratch);
     CHECK_THAT(ran(words).out, !Has("S000001"));
     CHECK(slurp(stopped) == slurp(whole));
     CHECK(fs::is_empty(folder.file("scratch")));
-    const std::vector<std::string> left{"killed.sqlite", "scratch", "stopped.sqlite",
-                                        "whole.sqlite"};
+    const Words left{"killed.sqlite", "scratch", "stopped.sqlite", "whole.sqlite"};
     CHECK(folder.names() == left);
 }
 
 TEST_CASE("a file that is whole is left, and one of something else is refused", "[simulate][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    const std::vector<std::string> same = simulate({"--db", file, "--no-traces"}, "2");
+    const Words same = simulate({"--db", file, "--no-traces"}, "2");
     ran(same);
     const std::string bytes = slurp(file);
     CHECK_THAT(ran(same).out, Has("already done"));
-    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+    const auto refused = [&](const Words& words, const std::string& why) {
         const auto ran = palpate_command(words);
         CAPTURE(why);
         check_end(ran, 2, Has(why));
@@ -213,14 +189,12 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
 
 TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed",
           "[simulate][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     ran(simulate({"--db", file}, "2"));
-    data::Database(file, data::Access::write)
-        .execute(
-            "UPDATE session_provenance SET value = replace(value, 'median_s = 1.5', 'median_s = "
-            "2') "
-            "WHERE key = 'observer'");
+    sql_edit(file,
+             "UPDATE session_provenance SET value = replace(value, 'median_s = 1.5', 'median_s = "
+             "2') "
+             "WHERE key = 'observer'");
     CHECK_THAT(ran({"verify", file}, 1).out, Has("response.reaction_s"));
 }
 
@@ -257,7 +231,7 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
           "[simulate][report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    const auto succeeds = [](const std::vector<std::string>& words) {
+    const auto succeeds = [](const Words& words) {
         const Finished done = ran(words);
         return done.out;
     };
@@ -294,7 +268,7 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
         const std::size_t at = made.out.find(mark);
         REQUIRE(at != std::string::npos);
         std::istringstream line(made.out.substr(at + mark.size()));
-        const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
+        const Words words{std::istream_iterator<std::string>(line), {}};
         CHECK(words.front() == command);
         CHECK_THAT(ran(words).out, Has("simulated"));
     }

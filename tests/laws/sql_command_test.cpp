@@ -1,7 +1,5 @@
 #include "tests/support/program.hpp"
 
-using namespace palpate::tests;
-
 namespace {
 
 const std::string& demo_file() {
@@ -13,9 +11,8 @@ const std::string& demo_file() {
     return file;
 }
 
-Finished sql(const std::string& query, const std::vector<std::string>& words = {}) {
-    std::vector<std::string> command{"sql", demo_file(), "-c", query};
-    command.insert(command.end(), words.begin(), words.end());
+Finished sql(const std::string& query, const Words& words = {}) {
+    const Words command = joined({"sql", demo_file(), "-c", query}, words);
     return palpate_command(command);
 }
 
@@ -119,17 +116,10 @@ TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost",
 }
 
 TEST_CASE("the queries that .help recommends run, and find something", "[sql]") {
-    const std::string help = sql(".help").out;
-    std::size_t queries = 0;
-    for (std::size_t at = help.find("SELECT"); at != std::string::npos;
-         at = help.find("SELECT", at + 1)) {
-        const Finished ran = sql(help.substr(at, help.find(';', at) - at), {"--csv"});
-        CAPTURE(ran.error);
-        CHECK(ran.code == 0);
-        CHECK(ran.out.find('\n') + 1 < ran.out.size());
-        ++queries;
-    }
-    CHECK(queries == 1);
+    const Words queries = between(sql(".help").out, "SELECT", ";");
+    REQUIRE(queries.size() == 1);
+    const Finished found = ended(sql("SELECT" + queries.front(), {"--csv"}));
+    CHECK(found.out.find('\n') + 1 < found.out.size());
 }
 
 TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
@@ -168,12 +158,12 @@ TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
 }
 
 TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
-    const TemporaryFolder folder;
-    std::ofstream(folder.file("in.sql"))
+    const TemporaryFile file("in.sql");
+    std::ofstream(file)
         << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
            "two;\n.columns analysis_trial\nSELECT 3 AS last";
     const Finished done = Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate_program(),
-                                   demo_file(), folder.file("in.sql")})
+                                   demo_file(), file})
                               .wait();
     CHECK(done.code == 1);  // one of them failed
     CHECK_THAT(done.error, Has("palpate: 5:8: no such column: fnord"));
@@ -185,20 +175,14 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
 }
 
 TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!others_load_extension()) {
-        return;
-    }
-    if (Process({"sqlite3", "--version"}).wait().code != 0) {
-        WARN("sqlite3 is not installed: not checked");
+    if (!others_load_extension() || !installed("sqlite3", {"sqlite3", "--version"})) {
         return;
     }
     for (const char* query : kQueries) {
         CAPTURE(query);
-        const Finished theirs = Process({"sqlite3", "-readonly", "-csv", "-cmd",
-                                         ".load " + extension(), demo_file(), query})
-                                    .wait();
-        CAPTURE(theirs.error);
-        REQUIRE(theirs.code == 0);
+        const Finished theirs = ended(Process({"sqlite3", "-readonly", "-csv", "-cmd",
+                                               ".load " + extension(), demo_file(), query})
+                                          .wait());
         check_same(sql(query, {"--csv"}).out, theirs.out);
     }
 }
@@ -230,20 +214,15 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
     for (const char* query : kQueries) {
         CAPTURE(query);
         const Finished theirs =
-            Process({python, "-c", kScript, demo_file(), extension(), query}).wait();
-        CAPTURE(theirs.error);
-        REQUIRE(theirs.code == 0);
+            ended(Process({python, "-c", kScript, demo_file(), extension(), query}).wait());
         check_same(sql(query, {"--csv"}).out, theirs.out);
     }
 }
 
 TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
           "[sql][extension][law]") {
-    if (!others_load_extension()) {
-        return;
-    }
-    if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
-        WARN("R with RSQLite is not installed: not checked");
+    if (!others_load_extension() ||
+        !installed("R with RSQLite", {"Rscript", "-e", "library(RSQLite)"})) {
         return;
     }
     constexpr const char* kScript =
@@ -258,13 +237,11 @@ TEST_CASE("R with the extension says what palpate sql says, and R's own statisti
         "'')\n"
         "  cat('end of query\\n')\n"
         "}\n";
-    const TemporaryFolder folder;
-    std::ofstream(folder.file("q.R")) << kScript;
-    std::vector<std::string> words{"Rscript", folder.file("q.R"), demo_file(), extension()};
+    const TemporaryFile file("q.R");
+    std::ofstream(file) << kScript;
+    Words words{"Rscript", file, demo_file(), extension()};
     words.insert(words.end(), std::begin(kQueries), std::end(kQueries));
-    const Finished all = Process(words).wait();
-    CAPTURE(all.error);
-    REQUIRE(all.code == 0);
+    const Finished all = ended(Process(words).wait());
     std::size_t from = 0;
     for (const char* query : kQueries) {  // R starts once for all
         CAPTURE(query);

@@ -1,10 +1,5 @@
-#include <csignal>
-
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // Where a trial begins, and how a question ends that nobody answers: the shipped program in a
 // window.
@@ -59,10 +54,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(folder.file("p.toml"), "P1", file,
-                                    {"--device", board.word(), "--calibration", "2diy_gen3",
-                                     "--kind", "pilot", "--windowed"}),
-                          file);
+    WindowSession session(run_words(
+        folder.file("p.toml"), "P1", file,
+        {"--device", board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"}));
     session.press_at("welcome", "space");
     CHECK(stays_ready(session));  // at home, 29 mm away
     board.bring("0,20");          // inside all of them
@@ -73,12 +67,12 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     CHECK(begins(session));
     session.hand().key("Escape");
     session.wait_until("SELECT count(*) > 0 FROM trial WHERE outcome = 'faulted'", "1");
-    for (std::vector<std::string> second :  // the port has its program
+    for (const Words& second :  // the port has its program
          {run_words(folder.file("p.toml"), "P2", folder.file("second.sqlite"), {"--kind", "pilot"}),
-          {"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
-        second.insert(second.begin(), palpate_program());
-        second.insert(second.end(), {"--device", board.word(), "--calibration", "2diy_gen3"});
-        const Finished end = Process(second, {"SDL_VIDEODRIVER=dummy"}).wait();
+          Words{"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
+        const Words words =
+            joined(command_of(second), {"--device", board.word(), "--calibration", "2diy_gen3"});
+        const Finished end = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
         check_end(end, 1, Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
@@ -109,18 +103,16 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(folder.file("p.toml"), "P1", file,
-                                    {"--device", board.word(), "--calibration", "2diy_gen3",
-                                     "--kind", "pilot", "--windowed"}),
-                          file);
+    WindowSession session(run_words(
+        folder.file("p.toml"), "P1", file,
+        {"--device", board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"}));
     session.press_at("welcome", "space");
     board.bring("0,20");
     CHECK(stays_ready(session));
     board.bring("0,66");
     CHECK(begins(session));
     CHECK(session.ask("SELECT count(value) FROM session_provenance WHERE key LIKE 'SDL2%'") == "2");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE(
@@ -131,8 +123,7 @@ TEST_CASE(
     const std::string file = folder.file("d.sqlite");
     WindowSession session(run_words(gated(folder, "softness_2afc"), "P1", file,
                                     {"--device", board->word(), "--calibration", "2diy_gen3",
-                                     "--kind", "pilot", "--windowed"}),
-                          file);
+                                     "--kind", "pilot", "--windowed"}));
     const auto replugged = [&] {
         const std::string back =
             session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
@@ -180,8 +171,7 @@ TEST_CASE(
                       "trial_id DESC LIMIT 1") == "faulted 1");
     board->bring("1,58");
     CHECK(begins(session));
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
     CHECK(session.ask("SELECT abs(start_x_m - 0.001) < 0.0005 AND abs(start_y_m - 0.058) < 0.0005 "
                       "FROM presentation ORDER BY trial_id DESC, interval DESC LIMIT 1") == "1");
     ran({"verify", file});
@@ -193,10 +183,9 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(gated(folder, "patch_friction"), "P1", file,
-                                    {"--device", board.word(), "--calibration", kGantry, "--kind",
-                                     "pilot", "--windowed"}),
-                          file);
+    WindowSession session(run_words(
+        gated(folder, "patch_friction"), "P1", file,
+        {"--device", board.word(), "--calibration", kGantry, "--kind", "pilot", "--windowed"}));
     session.press_at("welcome", "space");
     for (const char* beside : {"8,0,40", "0,-8,40", "0,0,48"}) {
         CAPTURE(beside);
@@ -205,8 +194,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     }
     board.bring("1,-1,42");
     CHECK(begins(session));
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
@@ -216,11 +204,8 @@ TEST_CASE("a question that nobody answers ends, and its trial runs again", "[win
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("d.sqlite");
     WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
-        file);
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+    session.go_through({"welcome", "ready", "explore"});
     session.wait_until("SELECT count(*) FROM trial WHERE outcome = 'unanswered'", "1");
     session.wait_for_text("nobody answered in time; runs again later in its block  (4 left)");
     for (int i = 0; i < 40 && session.screen_name() != "end"; ++i) {

@@ -1,15 +1,11 @@
 #include "tests/support/json_of.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
 /// Made-up people of any lab: three shapes, two frictions, a break every 15 trials; one person is
 /// left out, and some trials are. Friction makes everybody worse, more or less.
 std::string made_up(std::size_t people, int trials, bool excluded) {
-    const std::vector<std::string> shapes{"concave", "straight", "convex"};
+    const Words shapes{"concave", "straight", "convex"};
     std::mt19937_64 random(17);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
@@ -68,19 +64,16 @@ std::string all_right() {
     return text;
 }
 
-Finished stats(std::vector<std::string> words) {
-    words.insert(words.begin(), "stats");
-    return palpate_command(words);
+Finished stats(const Words& words) {
+    return palpate_command(joined({"stats"}, words));
 }
 
-Json numbers_of(std::vector<std::string> words) {
-    words.insert(words.begin(), "stats");
-    return json_of(std::move(words));
+Json numbers_of(const Words& words) {
+    return json_of(joined({"stats"}, words));
 }
 
-void no_stats(std::vector<std::string> words, const std::string& why) {
-    words.insert(words.begin(), "stats");
-    refused(words, why);
+void no_stats(const Words& words, const std::string& why) {
+    refused(joined({"stats"}, words), why);
 }
 
 /// What the script prints against the JSON; how many numbers of each kind there were.
@@ -123,31 +116,27 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     }
     const TemporaryFolder folder;
     std::string text = made_up(6, 40, true);
-    for (std::size_t at = text.find("P04,"); at != std::string::npos; at = text.find("P04,", at)) {
-        text.replace(at, 3, "\"P\t04\n\"");  // a name may hold what parts the script's numbers
-    }
+    // A name may hold what parts the script's numbers.
+    text = all_replaced(text, "P04,", "\"P\t04\n\",");
     write(folder.file("d.csv"), text);
     write(folder.file("yes.csv"), yes_and_no());
     write(folder.file("right.csv"), all_right());
-    const std::vector<std::string> how{"--simulations", "0", "--permutations", "0"};
-    const auto with = [&](std::vector<std::string> words) {
-        words.insert(words.end(), how.begin(), how.end());
-        return numbers_of(words);
+    const Words how{"--simulations", "0", "--permutations", "0"};
+    const auto with = [&](const Words& words) {
+        return numbers_of(joined(words, how));
     };
     const Json ours = with({folder.file("d.csv"), "--emit-r", folder.file("again.R")});
     const Json yes = with({folder.file("yes.csv"), "--signal", "curved", "--baseline", "oiled",
                            "--emit-r", folder.file("again_yes.R")});
     const Json right = with({folder.file("right.csv"), "--emit-r", folder.file("again_right.R")});
     // One R for all: to load lme4 takes longer than all else.
-    const Finished r =
+    const Finished r = ended(
         Process(
             {"sh", "-c",
              "cd '" + folder.path().string() +
                  "' && Rscript -e \"for (s in c('again', 'again_yes', "
                  "'again_right')) { sink(paste0(s, '.out')); source(paste0(s, '.R')); sink() }\""})
-            .wait();
-    CAPTURE(r.error);
-    REQUIRE(r.code == 0);
+            .wait());
     auto kinds = compare(slurp(folder.file("again.out")), ours);
     CHECK(kinds["of base R"] > 500);
     CHECK(kinds["of the grid"] == 14);
@@ -184,9 +173,9 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
 }
 
 TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[stats]") {
-    const TemporaryFolder folder;
-    write(folder.file("d.csv"), made_up(6, 40, false));
-    const std::vector<std::string> words{folder.file("d.csv"), "--simulations", "60"};
+    const TemporaryFile file("d.csv");
+    write(file, made_up(6, 40, false));
+    const Words words{file, "--simulations", "60"};
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
     CHECK(stats(words).out == text.out);
@@ -219,7 +208,7 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
                    fmt::format("{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>()),
                    "half chi-square of 1 df, half of 2"));
     CHECK(mixed["laplace"]["no_effect"]["simulated_p"].get<double>() > 0.0);
-    const Json other = numbers_of({folder.file("d.csv"), "--simulations", "60", "--seed", "2"});
+    const Json other = numbers_of({file, "--simulations", "60", "--seed", "2"});
     CHECK(other["applied"]["measures"] == part["measures"]);
     CHECK(other["applied"]["people"] != part["people"]);
 }
@@ -254,8 +243,7 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
                             i % 7 < 3 ? "off" : "on", i % 3 == 0 ? "a" : "b");
     }
     write(folder.file("even.csv"), even);
-    const std::vector<std::string> words{folder.file("even.csv"), "--simulations", "0",
-                                         "--permutations", "0"};
+    const Words words{folder.file("even.csv"), "--simulations", "0", "--permutations", "0"};
     auto json = words;
     json.emplace_back("--json");
     const Json all = Json::parse(stats(json).out);
@@ -328,20 +316,19 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
              "chooses");
     no_stats({file, "--kind", "all"}, "--kind");
     no_stats({file, "--kind", "simulated", "--other-answers"}, "--other-answers is for a CSV");
-    const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
+    const Words words{file, "--kind", "simulated", "--simulations", "0"};
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
     CHECK_THAT(text.out, Has("participant and device are SIMULATED", "sub-") && !Has("Ada") &&
                              Has("Confidence: share correct at each level"));
-    std::vector<std::string> scripted = words;
-    scripted.insert(scripted.end(), {"--emit-r", folder.file("again.R")});
+    const Words scripted = joined(words, {"--emit-r", folder.file("again.R")});
     Json ours = numbers_of(scripted);
     CHECK_THAT(slurp(folder.file("again.csv")), !Has("Ada"));
     CHECK(ours["kind"] == "simulated");
     CHECK(ours["alternatives"] == 2);
 
     // Counts, by SQL; with and without those whom the protocol's rule leaves out.
-    std::vector<std::string> coded = words;
+    Words coded = words;
     coded.emplace_back("--keep-codes");
     const Json named = numbers_of(coded);
     const Json& part = named["not_applied"].is_null() ? named["applied"] : named["not_applied"];

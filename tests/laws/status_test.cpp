@@ -1,64 +1,54 @@
-#include <csignal>
-
 #include <nlohmann/json.hpp>
 
 #include "data/store/session_lock.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 // What palpate says of a file on which a session runs.
 
-using namespace palpate;
-using tests::eventually;
-using tests::ShownSession;
-using tests::TemporaryFolder;
-
 TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live][law]") {
-    ShownSession session(tests::kFourTrials, {"0.3"});
+    ShownSession session(kFourTrials, {"0.3"});
     const data::Json now =
-        data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
+        data::Json::parse(palpate_command({"status", session.file, "--json"}).out);
     CHECK(now["studies"][0]["planned"] == 1);
     REQUIRE(now["running"].size() == 1);
     CHECK(now["running"][0]["participant"] == "P1");
     CHECK(now["running"][0]["kind"] == "simulated");
-    CHECK_THAT(tests::palpate_command({"status", session.file}).out,
+    CHECK_THAT(palpate_command({"status", session.file}).out,
                Has("running: P1, simulated, session 1: "));
-    tests::Process follows(
-        {tests::palpate_program(), "status", session.file, "--follow", "--json"});
+    Process follows({palpate_program(), "status", session.file, "--follow", "--json"});
     REQUIRE(eventually([&] { return follows.out().find('\n') != std::string::npos; }));
     {  // how it ended is said, however late somebody looks
-        ShownSession other(tests::kFourTrials, {"0.3"});
-        tests::Process late({tests::palpate_program(), "status", other.file, "--follow", "--json"});
+        ShownSession other(kFourTrials, {"0.3"});
+        Process late({palpate_program(), "status", other.file, "--follow", "--json"});
         REQUIRE(eventually([&] { return late.out().find('\n') != std::string::npos; }));
         late.signal(SIGSTOP);
-        other.program.signal(SIGTERM);
-        CHECK(other.program.wait().code == 3);
+        CHECK(other.program.ended_by(SIGTERM) == 3);
         late.signal(SIGCONT);
         CHECK_THAT(late.wait().out, Has("\"ended\":\"ended early\""));
     }
-    const std::vector<std::string> refuses{"participant", session.file, "P1", "--consent", "no"};
-    CHECK_THAT(tests::palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
+    const Words refuses{"participant", session.file, "P1", "--consent", "no"};
+    CHECK_THAT(palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
     const TemporaryFolder folder;
     const std::string other = folder.file("other.sqlite");
     for (const auto& [into, from] : {std::pair(other, session.file), {session.file, other}}) {
-        CHECK_THAT(tests::ran({"merge", into, from}).error,
+        CHECK_THAT(ran({"merge", into, from}).error,
                    Has(session.file + ": a session runs on it, and goes on"));
     }
     const auto notes = [&] {
         const data::Json state = session.state();
         return state.contains("notes") ? state["notes"] : data::Json::array();
     };
-    CHECK(tests::ran({"note", session.file, "hand rested", "--participant", "P1"}).error.empty());
+    CHECK(ran({"note", session.file, "hand rested", "--participant", "P1"}).error.empty());
     REQUIRE(eventually([&] { return !notes().empty(); }));
     CHECK(notes().back()["text"] == "hand rested");
     CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'note'") == "1");
     session.program.signal(SIGKILL);
     CHECK(follows.wait().code == 0);
-    CHECK(tests::palpate_command(refuses).error.empty());
-    data::Database(session.file, data::Access::write)
-        .execute("UPDATE session SET session_kind = 'real'");
-    CHECK_THAT(tests::palpate_command({"status", session.file}).out,
+    CHECK(palpate_command(refuses).error.empty());
+    sql_edit(session.file, "UPDATE session SET session_kind = 'real'");
+    CHECK_THAT(palpate_command({"status", session.file}).out,
                Has("Nothing runs on it now", "0 of 1 person planned ran, 1 to go",
                    "  do not consent: P1\n", ", no consent\n"));
 }
@@ -67,12 +57,12 @@ TEST_CASE("whatever shows stimuli and answers of a file says once that a session
           "[live][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    tests::ran(tests::run_words(tests::kFourTrials, "P1", file, {"--headless"}));
-    const std::vector<std::vector<std::string>> all{
+    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
+    const std::vector<Words> all{
         {"summary", file},
         {"sql", file, "-c", "SELECT planned_object FROM plan"},
         {"sql", file, "--versions", "apart", "-c", "SELECT planned_object FROM plan"},
-        {"sequence", tests::kFourTrials, "--participant", "P1", "--db", file},
+        {"sequence", kFourTrials, "--participant", "P1", "--db", file},
         {"trace", file, "1"},
         {"report", file, "--trial", "1", "-o", folder.file("trial.html")},
         {"report", file, "--kind", "simulated", "-o", folder.file("all.html")},
@@ -80,13 +70,8 @@ TEST_CASE("whatever shows stimuli and answers of a file says once that a session
         {"stats", file, "--kind", "simulated"},
         {"fit", file, "--kind", "simulated"},
         {"audit", file, "--kind", "simulated"}};
-    const auto warnings = [](const std::vector<std::string>& words) {
-        const std::string said = tests::palpate_command(words).error;
-        std::size_t found = 0;
-        for (std::size_t at = 0; (at = said.find("a session runs on it", at)) != said.npos; ++at) {
-            ++found;
-        }
-        return found;
+    const auto warnings = [](const Words& words) {
+        return count_of(palpate_command(words).error, "a session runs on it");
     };
     for (const auto& words : all) {
         CAPTURE(words);
@@ -108,7 +93,7 @@ TEST_CASE("status says of a session that hangs whose it is, and that it does not
           "[live][law]") {
     ShownSession session;
     const auto status = [&] {
-        return data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
+        return data::Json::parse(palpate_command({"status", session.file, "--json"}).out);
     };
     CHECK_FALSE(status()["running"][0].contains("answers"));
     session.program.signal(SIGSTOP);
@@ -118,15 +103,15 @@ TEST_CASE("status says of a session that hangs whose it is, and that it does not
                                                      {"kind", "simulated"},
                                                      {"answers", false}}}));
     CHECK_THAT(
-        tests::palpate_command({"status", session.file}).out,
+        palpate_command({"status", session.file}).out,
         Has("running: P1, simulated, session 1: it does not answer", "the switch of its motors") &&
             !Has("Nothing runs"));
 
-    CHECK_THAT(tests::palpate_command({"console", session.file}).error,
+    CHECK_THAT(palpate_command({"console", session.file}).error,
                Has("no session of yours that answers"));
 
     // Who follows it sees it go on, hang again and end.
-    tests::Process follows({tests::palpate_program(), "status", session.file, "--follow"});
+    Process follows({palpate_program(), "status", session.file, "--follow"});
     const auto said = [&](const std::string& text) {
         return eventually([&] {
             const std::string out = follows.out();

@@ -1,10 +1,3 @@
-#include <csignal>
-#include <filesystem>
-#include <functional>
-#include <utility>
-
-#include <unistd.h>
-
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/stop_ways.hpp"
@@ -13,9 +6,6 @@
 // Ways to stop a force that need no window's focus, and windows out of reach, tried on the program
 // itself: a real window, a board on a pseudo-terminal with a hand that presses, the experimenter's
 // terminal, another shell and a pipe in place of a button. Nothing is asserted about time.
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -86,8 +76,8 @@ TEST_CASE(
     stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });
     stopped.goes_on();
     stopped.ends("palpate stop", "stopped", [&] {
-        const Finished finished = ran({"stop", desk.file});
-        CHECK_THAT(finished.out, Has("No force any more in 1 session", "participant P1"));
+        CHECK_THAT(ran({"stop", desk.file}).out,
+                   Has("No force any more in 1 session", "participant P1"));
     });
     stopped.goes_on();
     stopped.ends("stop button", "stopped", [&] { button.send(1); });
@@ -128,8 +118,7 @@ TEST_CASE(
 
     // One that hangs is said to, and stops when it goes on.
     stopped.session().program().signal(SIGSTOP);
-    const Finished hung = ran({"stop", desk.file}, 1);
-    CHECK_THAT(hung.error, Has("1 session did not answer"));
+    CHECK_THAT(ran({"stop", desk.file}, 1).error, Has("1 session did not answer"));
     stopped.session().program().signal(SIGCONT);
     stopped.goes_on();
     CHECK(stopped.session().ask("SELECT count(*) FROM trial") == begun);
@@ -147,8 +136,7 @@ TEST_CASE(
     hand.hide(stopped.window());
     CHECK(desk.force_ends());
     CHECK(desk.stays_off());
-    stopped.session().program().signal(SIGTERM);
-    CHECK(stopped.session().finish().code == 3);
+    CHECK(stopped.session().program().ended_by(SIGTERM) == 3);
     CHECK(terminal.as_before());
     ran({"stop", desk.file}, 1);
     ran({"verify", desk.file});
@@ -157,15 +145,12 @@ TEST_CASE(
 TEST_CASE(
     "on the pointer, too, a keyboard that goes elsewhere ends a trial until the chord goes on",
     "[window][safety][law]") {
-    const std::string size = GENERATE("--windowed", "--fullscreen");
-    CAPTURE(size);
-    const TemporaryFolder folder;
-    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot", size}),
-                          folder.file("d.sqlite"));
+    EACH(size, as<std::string>{}, "--windowed", "--fullscreen");
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(
+        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", size}));
     XHand& hand = session.hand();
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
+    session.go_through({"welcome", "ready"});
     session.wait_for_screen("explore");
     hand.take_keyboard_away();
     session.wait_until("SELECT fault_cause FROM trial", "focus_lost");
@@ -179,16 +164,14 @@ TEST_CASE(
     leave_trouble(hand);
     session.wait_for_screen("ready");
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
 TEST_CASE("Escape holds a session on any screen, and a question without its keys is noted",
           "[window][safety][law]") {
-    const TemporaryFolder folder;
-    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
-                                    {"--device", "mouse", "--kind", "pilot", "--windowed"}),
-                          folder.file("d.sqlite"));
+    const TemporaryFile file("d.sqlite");
+    WindowSession session(
+        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", "--windowed"}));
     XHand& hand = session.hand();
     const auto stops = [&](const char* screen) {
         CAPTURE(screen);
@@ -224,9 +207,8 @@ TEST_CASE("Escape holds a session on any screen, and a question without its keys
     CHECK(session.ask("SELECT count(*) FROM event WHERE key = 'question away' AND trial_id = 1 AND "
                       "duration_s BETWEEN 0.8 AND (SELECT reaction_s FROM response)") == "1");
     session.wait_for_text("the keyboard with another window: its answer is kept");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
-    ran({"verify", folder.file("d.sqlite")});
+    CHECK(session.program().ended_by(SIGTERM) == 3);
+    ran({"verify", file});
 }
 
 // With those that have boards: palpate stop asks a rig that is being commissioned, too.
@@ -239,8 +221,7 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     Process session({palpate_program(), "run", kFourTrials, "--participant", "P1", "--db", file,
                      "--headless", "--speed", "0.2", "--stop-button", folder.file("button")},
                     {std::string(kTerminal) + "=" + terminal.name()});
-    REQUIRE(
-        eventually([&] { return session.out().find("If it ends early") != std::string::npos; }));
+    REQUIRE(session.says("If it ends early"));
     data::Database database(file, data::Access::read);
     const auto ends = [&](const std::string& way, const std::function<void()>& act) {
         CAPTURE(way, session.out(), session.error());
@@ -284,8 +265,7 @@ TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on"
     const std::string file = folder.file("d.sqlite");
     write(folder.file("p.toml"), replaced(four_trials(), "break_every = 0", "break_every = 1"));
     WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
-        file);
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
     const auto stopped = [&] {
         ran({"stop", file});
         session.wait_for_screen("trouble");
@@ -295,9 +275,7 @@ TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on"
         pause(0.5);
         CHECK(session.screen_name() == "ready");
     };
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.press_at("explore", "space");
+    session.go_through({"welcome", "ready", "explore"});
     session.press_at("question", "1");
     session.wait_for_screen("break");
     stopped();
@@ -305,6 +283,5 @@ TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on"
     session.wait_for_screen("pause");
     stopped();
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'stop'") == "2");
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
 }

@@ -1,35 +1,18 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/json_of.hpp"
-#include "tests/support/studies.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
 /// What `script` prints of the rows of `query`, in R without any package; line by line.
-std::vector<std::string> by_r(const std::string& file,
-                              const std::string& query,
-                              const std::string& script) {
+Words by_r(const std::string& file, const std::string& query, const std::string& script) {
     const TemporaryFolder folder;
     const Finished rows = ran({"sql", file, "--csv", "-c", query});
     std::ofstream(folder.file("rows.csv")) << rows.out;
     std::ofstream(folder.file("script.R")) << "d <- read.csv(commandArgs(TRUE)[1])\n" + script;
-    const Finished r =
-        Process({"Rscript", folder.file("script.R"), folder.file("rows.csv")}).wait();
-    CAPTURE(r.error);
-    REQUIRE(r.code == 0);
-    return lines_in(r.out);
-}
-
-bool no_r() {
-    const bool none = Process({"Rscript", "-e", "1"}).wait().code != 0;
-    if (none) {
-        WARN("R is not installed: not checked");
-    }
-    return none;
+    const Words r{"Rscript", folder.file("script.R"), folder.file("rows.csv")};
+    return lines_in(ended(Process(r).wait()).out);
 }
 
 std::string summary_of(const std::string& file) {
@@ -102,11 +85,10 @@ void same_numbers(const std::string& line, const Json& rows, const std::string& 
 }  // namespace
 
 TEST_CASE("palpate summary says of people what R says of the same answers", "[summary][law]") {
-    if (no_r()) {
+    if (!has_r()) {
         return;
     }
-    const TemporaryFolder folder;
-    const std::string file = folder.file("people.sqlite");
+    const TemporaryFile file("people.sqlite");
     answer(file, small_protocol(9), 12);
     const std::string text = summary_of(file);
     CAPTURE(text);
@@ -145,8 +127,7 @@ TEST_CASE("with one person or two, palpate summary says what can be said and wha
 
 TEST_CASE("answers that are neither right nor wrong are summed up object by object", "[summary]") {
     const bool rating = GENERATE(false, true);
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     protocols::Protocol protocol = small_protocol(4);
     protocol.response.kind =
         rating ? protocols::ResponseKind::rating : protocols::ResponseKind::yes_no;
@@ -166,12 +147,12 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
     const std::string line = mean.out.substr(mean.out.find('\n') + 1);
     CHECK_THAT(text.substr(at), Has(line.substr(0, line.size() - 1)));
     CHECK_THAT(text, Has("68 of 68 answers have no correct (NULL)"));
-    CHECK(text.find("share correct") == std::string::npos);
+    CHECK_THAT(text, !Has("share correct"));
 }
 
 TEST_CASE("palpate summary says of an adaptive run what R computes from its answers",
           "[summary][adaptive][law]") {
-    if (no_r()) {
+    if (!has_r()) {
         return;
     }
     const auto index = GENERATE(range(0, 4));
@@ -183,12 +164,10 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const std::string file = folder.file("a.sqlite");
     ran(run_words(folder.file("p.toml"), "P1", file, {"--device", "sim"}));
     // A mark made later: its answer is left out here and there.
-    const std::string third =
-        sql_csv(file,
-                "SELECT trial_id FROM analysis_trial WHERE run_trial_number IS NOT NULL "
-                "AND run_number = 1 AND run_trial_number = 3");
-    const std::size_t row = third.find('\n') + 1;
-    const std::string trial = third.substr(row, third.size() - row - 1);
+    const std::string trial =
+        sql_first(file,
+                  "SELECT trial_id FROM analysis_trial WHERE run_trial_number IS NOT NULL AND "
+                  "run_number = 1 AND run_trial_number = 3");
     if (index != 3) {  // a staircase goes on elsewhere without it
         ran({"mark", file, trial, "--invalid", "bell"});
     }
@@ -212,5 +191,5 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     }
     const std::string text = summary_of(file);
     CAPTURE(text);
-    CHECK(text.find("share correct") == std::string::npos);
+    CHECK_THAT(text, !Has("share correct"));
 }

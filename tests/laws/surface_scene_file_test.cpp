@@ -1,8 +1,5 @@
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/test_text.hpp"
-
-using namespace palpate::tests;
 
 namespace {
 

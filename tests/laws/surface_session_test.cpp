@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/protocol/protocol.hpp"
@@ -7,9 +5,6 @@
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -25,9 +20,7 @@ std::string study(const TemporaryFolder& folder,
     return file;
 }
 
-std::vector<std::string> run(const std::string& protocol,
-                             const std::string& db,
-                             const std::string& device) {
+Words run(const std::string& protocol, const std::string& db, const std::string& device) {
     return run_words(protocol, "P1", db, {"--headless", "--device", device});
 }
 
@@ -169,9 +162,7 @@ TEST_CASE("an export of surfaces has every coordinate", "[surface-session][expor
     std::ifstream columns(out + "/columns.csv");
     std::stringstream text;
     text << columns.rdbuf();
-    for (const char* name : {"hip_z_m", "go_z_m", "cp_z_m", "rendered_z_n", "commanded_z_n"}) {
-        CHECK_THAT(text.str(), Has(name));
-    }
+    CHECK_THAT(text.str(), Has("hip_z_m", "go_z_m", "cp_z_m", "rendered_z_n", "commanded_z_n"));
 }
 
 TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-session][report]") {

@@ -1,5 +1,3 @@
-#include <csignal>
-
 #include <nlohmann/json.hpp>
 
 #include "data/store/database.hpp"
@@ -8,32 +6,24 @@
 #include "tests/support/sql_first.hpp"
 #include "tests/support/stop_ways.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
-
 namespace {
 
-std::vector<std::string> words(const std::string& file,
-                               const std::string& device,
-                               std::vector<std::string> more = {}) {
-    std::vector<std::string> all =
-        run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device});
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+Words words(const std::string& file, const std::string& device, Words more = {}) {
+    return joined(run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device}),
+                  more);
 }
 
 /// On a board that was commissioned, with more words: refused before anybody looks for its home, or
 /// a pulse is given. @return the sentence
 std::string refused_at_a_board(const TemporaryFolder& folder,
                                const std::string& file,
-                               const std::vector<std::string>& more) {
+                               const Words& more) {
     const TemporaryFolder rig;
     FreeBoard board(rig);
-    std::vector<std::string> command = words(file, board.word(), more);
+    Words command =
+        joined(command_of(words(file, board.word(), more)),
+               {"--handle-free", "--calibration", commissioned_rig(folder, board.word())});
     std::erase(command, "--headless");
-    command.insert(command.begin(), palpate_program());
-    command.insert(command.end(),
-                   {"--handle-free", "--calibration", commissioned_rig(folder, board.word())});
     Process program(command, {"SDL_VIDEODRIVER=dummy"});
     bool still = true;
     while (program.running()) {
@@ -48,19 +38,17 @@ std::string refused_at_a_board(const TemporaryFolder& folder,
 }
 
 /// With what was typed at its terminal beforehand.
-tests::Finished typed(std::vector<std::string> command, const char* keys) {
+Finished typed(const Words& words, const char* keys) {
     const Terminal terminal;
     terminal.type(keys);
-    command.insert(command.begin(), palpate_program());
-    return Process(command,
+    return Process(command_of(words),
                    {std::string(kTerminal) + "=" + terminal.name(), "DISPLAY", "WAYLAND_DISPLAY"})
         .wait();
 }
 
 /// A session on a device that is broken off after its first answer.
 void break_off(const std::string& file, const std::string& device) {
-    std::vector<std::string> command = words(file, device, {"--speed", "10"});
-    command.insert(command.begin(), palpate_program());
+    const Words command = command_of(words(file, device, {"--speed", "10"}));
     Process process(command, {"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 20000 && process.running(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -71,8 +59,7 @@ void break_off(const std::string& file, const std::string& device) {
         } catch (const data::StoreError&) {  // it is not there yet
         }
     }
-    process.signal(SIGINT);
-    CHECK(process.wait().code == 3);
+    CHECK(process.ended_by(SIGINT) == 3);
 }
 
 }  // namespace
@@ -101,16 +88,14 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
 
     // Another calibration is another rig; this one is meant. The next resumption knows the last,
     // not the first.
-    const std::vector<std::string> another = words(file, "sim", {"--calibration", "haplet"});
+    const Words another = words(file, "sim", {"--calibration", "haplet"});
     ran(another, 2);
     const auto wrong = typed(another, "P2\n");  // at a terminal it is asked for
     CHECK(wrong.code == 1);
     CHECK_THAT(wrong.out, Has("type the participant's code"));
     CHECK_THAT(wrong.error, Has("the session goes on with its own device"));
     CHECK(sql_first(file, "SELECT count(*) FROM event") == events);
-    const auto end = typed(another, "P1\n");
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 0);
+    ended(typed(another, "P1\n"));
     CHECK(sql_first(file, "SELECT count(DISTINCT calibration_sha256) FROM analysis_trial") == "2");
     CHECK(sql_first(file,
                     "SELECT count(*) FROM trial JOIN session_provenance AS made ON made.value = "

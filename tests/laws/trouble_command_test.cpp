@@ -1,14 +1,9 @@
-#include <csignal>
-
 #include "engine/device/device.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/sql_first.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 
@@ -48,7 +43,7 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
     const std::string protocol = folder.file("slow.toml");
     std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
     const std::string section = "[safety]\n";
-    REQUIRE(text.find(section) != std::string::npos);
+    REQUIRE_THAT(text, Has(section));
     text.insert(text.find(section) + section.size(), "speed_limit_m_per_s = 0.05\n");
     std::ofstream(protocol) << text;
     const std::string file = folder.file("d.sqlite");
@@ -71,12 +66,10 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
 
 TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and another day goes on",
           "[cli][fault][haply][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    const std::vector<std::string> words =
+    const TemporaryFile file("d.sqlite");
+    const Words words =
         run_words("shape_friction_haply", "P1", file, {"--device", "haply-emulator"});
-    std::vector<std::string> command{palpate_program()};
-    command.insert(command.end(), words.begin(), words.end());
+    const Words command = joined({palpate_program()}, words);
     for (int run = 1; run <= 2; ++run) {
         CAPTURE(run);
         Process program(command, {"DISPLAY", "WAYLAND_DISPLAY"});
@@ -97,13 +90,9 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
             return shown.find(R"("on":null)") != std::string::npos || !program.running();
         }));
         CHECK_THAT(shown, Has(engine::kForceUnproved));
-        const Finished stopped = palpate_command({"stop", file});
-        CHECK(stopped.code == 1);
-        CHECK_THAT(stopped.error, Has(engine::kForceUnproved));
+        check_end(palpate_command({"stop", file}), 1, Has(engine::kForceUnproved));
         const Finished end = program.wait();
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 1);
-        CHECK_THAT(end.error, Has(fmt::format("palpate: {}", engine::kForceUnproved)));
+        check_end(end, 1, Has(fmt::format("palpate: {}", engine::kForceUnproved)));
         CHECK_THAT(end.error, Has("gave up after 10 tries to reach the device again: ") ||
                                   Has("faults in a row: "));
         CHECK(sql_lines(file, "PRAGMA integrity_check") == "ok\n");
@@ -123,11 +112,10 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
 
 TEST_CASE("the doctor fails a board that is not there with the remedy and exit code 1",
           "[cli][doctor][fault]") {
-    const TemporaryFolder folder;
-    const Finished doctor =
-        ran({"doctor", "--device", "haply:/nonexistent", "--protocol", "shape_friction_haply",
-             "--seconds", "0.1", "--db", folder.file("d.sqlite")},
-            1);
+    const TemporaryFile file("d.sqlite");
+    const Finished doctor = ran({"doctor", "--device", "haply:/nonexistent", "--protocol",
+                                 "shape_friction_haply", "--seconds", "0.1", "--db", file},
+                                1);
     CHECK(doctor.out.starts_with("fail  device"));
     CHECK_THAT(doctor.out, Has("/nonexistent"));
     CHECK_THAT(doctor.out, !Has("passivity and force"));
@@ -159,26 +147,15 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
     }
 }
 
-TEST_CASE("a share of spinning that cannot be is refused before anything is made", "[cli]") {
-    const TemporaryFolder folder;
-    for (const char* share : {"0.6", "-0.1", "much"}) {
-        const Finished run = ran(
-            run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--spin", share}), 2);
-        CHECK_THAT(run.error, Has("--spin"));
-    }
-    CHECK(folder.names().empty());
-}
-
 TEST_CASE("a question at the terminal obeys a signal, and nothing is begun", "[cli][fault][law]") {
     const TemporaryFolder folder;
-    const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);
-    CAPTURE(number);
+    EACH(number, SIGINT, SIGTERM, SIGHUP);
     const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
     TypedTo run(folder, "keys",
                 "run pilot --participant P1 --db '" + folder.file("d.sqlite") +
                     "' --device haply:/nonexistent --calibration '" + rig + "'",
                 {"SDL_VIDEODRIVER=dummy"});
-    REQUIRE(eventually([&] { return run.program().out().find("Type yes:") != std::string::npos; }));
+    REQUIRE(run.program().says("Type yes:"));
     run.program().signal(number);
     const Finished end = run.program().wait();
     check_end(end, 3, Has("stopped at the question; nothing was begun"));

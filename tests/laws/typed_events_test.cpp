@@ -1,14 +1,13 @@
 #include "data/store/session_store.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::data;
 
 namespace {
 
-std::vector<std::string> run(const std::string& file, const std::string& resume) {
+Words run(const std::string& file, const std::string& resume) {
     return run_words("shape_friction_demo", "P1", file,
                      {"--headless", "--speed", "0", "--secret", kRunSecret, "--resume", resume});
 }
@@ -43,10 +42,9 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
           "event_kind\nredo\n");
     const std::string reworded = folder.file("reworded.sqlite");
     std::filesystem::copy(file, reworded);
-    Database(reworded, Access::write)
-        .execute(
-            "UPDATE event SET text = 'after 3 attempts: part 2: position ' || event_id || ' is "
-            "done'");
+    sql_edit(reworded,
+             "UPDATE event SET text = 'after 3 attempts: part 2: position ' || event_id || ' is "
+             "done'");
     for (const std::string& one : {file, reworded}) {
         ran(run(one, "continue"));
     }

@@ -1,16 +1,9 @@
-#include <atomic>
-#include <csignal>
-
 #include "engine/device/drivers/udp_link.hpp"
 #include "engine/device/open/open_wire.hpp"
-#include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/udp_port.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 // The shipped program and a device that is another program, behind a UDP port.
 
@@ -88,8 +81,7 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     CHECK_THAT(device, StartsWith("udp:127.0.0.1:"));
     CHECK_THAT(doctor_in_the_end(folder, device, "2diy_gen3"),
                Has("its own watchdog stops it after 20 ms"));
-    emulator.signal(SIGINT);
-    CHECK(emulator.wait().code == 0);
+    CHECK(emulator.ended_by(SIGINT) == 0);
     CHECK_THAT(doctor(folder, device, "2diy_gen3"), Has("does the device's program run there"));
 
     const std::string port = std::to_string(free_udp_port());
@@ -146,8 +138,7 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
     const std::string file = folder.file("d.sqlite");
     const std::string name = emulator.out().substr(0, emulator.out().find('\n'));
     WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "board:" + name, "--windowed"}),
-        file);
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "board:" + name, "--windowed"}));
     session.press_at("welcome", "space");
     const auto felt = [&] {
         return session.ask(
@@ -172,7 +163,7 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
             typed.type("motors");
         }
     }
-    CHECK(eventually([&] { return times(emulator.out(), "give 0, 0 mN m") == 10; }));
+    CHECK(eventually([&] { return count_of(emulator.out(), "give 0, 0 mN m") == 10; }));
     const auto disturb = [&] {
         for (std::uint16_t seq = 1; seq <= 40; ++seq) {
             for (const engine::OpenBytes& body :
@@ -200,10 +191,11 @@ TEST_CASE("words of a UDP port that cannot be are refused with a sentence, befor
           "[laws][open]") {
     const TemporaryFolder folder;
     for (const char* wrong : {"board:udp:rig", "board:udp::5000", "board:udp:rig:99999"}) {
-        const Finished run = ran(
-            run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--device", wrong}),
-            2);
-        CHECK_THAT(run.error, Has("as in udp:127.0.0.1:5000"));
+        CHECK_THAT(ran(run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
+                                 {"--device", wrong}),
+                       2)
+                       .error,
+                   Has("as in udp:127.0.0.1:5000"));
     }
     CHECK(folder.names().empty());
     ran({"haply-emulator", "--udp", "5000"}, 2);

@@ -1,13 +1,10 @@
 #include "data/schema/catalogue.hpp"
 #include "data/verify/verify.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/mixed_study.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
+#include "tests/support/sql_first.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using data::FindingKind;
 
 namespace {
@@ -72,7 +69,7 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
         ids.second = row.integer(0);
         return ids;
     };
-    std::vector<std::string> edits;
+    Words edits;
     for (const std::string where : {"session_id = 1 AND outcome IN ('complete', 'timed_out')",
                                     "session_id = 2 AND outcome IN ('complete', 'timed_out')"}) {
         const auto [a, b] = two(where);
@@ -136,7 +133,7 @@ TEST_CASE("what a lab calls sample is its own, and no query is answered by it", 
           "DROP VIEW sample; CREATE TABLE Sample (trial_id, rendered_normal_n);"
           "INSERT INTO Sample VALUES (1, 5)"}) {
         CAPTURE(own);
-        data::Database(file, data::Access::write).execute(own.c_str());
+        sql_edit(file, own);
         CHECK(answer(query) == before);
         CHECK(answer("SELECT rendered_normal_n AS n FROM main.sample") == "n\n5\n");
         CHECK_THAT(ran({"sql", file, "-c", query}).error,

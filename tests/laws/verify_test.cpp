@@ -1,13 +1,10 @@
-#include <csignal>
-
 #include "protocols/library/shipped.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using data::FindingKind;
 
 namespace {
@@ -44,7 +41,7 @@ void write_quick_protocol(const std::string& file) {
         "[timing]\nexplore_min_s = 0.5\nexplore_prompt_s = 0.8\nexplore_timeout_s = 1\n");
 }
 
-std::vector<std::string> words_in(const TemporaryFolder& folder, const std::string& database) {
+Words words_in(const TemporaryFolder& folder, const std::string& database) {
     return run_words(folder.file("p.toml"), "P1", folder.file(database), {"--headless"});
 }
 
@@ -52,8 +49,7 @@ std::vector<std::string> words_in(const TemporaryFolder& folder, const std::stri
 
 TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it changes",
           "[verify][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     ran({"demo", "--headless", "--db", file});
     ran({"demo", "--headless", "--db", file});
     ran(run_words("shape_friction_demo", "P2", file, {"--headless", "--device", "replay:" + file}));
@@ -198,10 +194,9 @@ TEST_CASE(
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
-    auto words = words_in(folder, "a.sqlite");
-    words.insert(words.begin(), palpate_program());
-    words.insert(words.end(), {"--speed", "2"});  // longer than a slow machine takes to verify
-    const std::vector<std::string> no_display{"DISPLAY", "WAYLAND_DISPLAY"};
+    const Words words = joined(command_of(words_in(folder, "a.sqlite")),
+                               {"--speed", "2"});  // longer than a slow machine takes to verify
+    const Words no_display{"DISPLAY", "WAYLAND_DISPLAY"};
     const auto ticks_from = [&](std::int64_t trial) {
         try {
             data::Database database(file, data::Access::read);
@@ -235,8 +230,7 @@ TEST_CASE(
         const std::int64_t next = 1 + outcome("complete") + outcome("timed_out") + 1;
         Process stopped(words, no_display);
         REQUIRE(eventually([&] { return ticks_from(next) >= 2; }));
-        stopped.signal(SIGINT);
-        CHECK(stopped.wait().code == 3);
+        CHECK(stopped.ended_by(SIGINT) == 3);
     }
     CHECK(outcome("interrupted") == 1);
     CHECK(outcome("aborted") == 1);
@@ -254,8 +248,7 @@ TEST_CASE(
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
     ran(words_in(folder, "a.sqlite"));
-    data::Database(file, data::Access::write)
-        .execute("UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
+    sql_edit(file, "UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
     CHECK_THAT(ran({"verify", file}, 1).out,
                Has("  differs  trial 2, response.correct: stored ", ", recomputed ",
                    "trial 2, trial.seal: stored ", "\n2 differences. Take what differs"));

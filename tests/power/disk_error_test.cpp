@@ -88,16 +88,16 @@ TEST_CASE(
         CHECK_THAT(said, Has("a.sqlite: its disk does not have the 16 MB that a trial",
                              "free some space"));
         CHECK(lines(database, "SELECT outcome FROM trial WHERE trial_id >= 2") == "timed_out \n");
-        CHECK(number(database, "SELECT sum(ticks) FROM presentation WHERE trial_id = 2") <=
-              number(database, "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = 2"));
-        CHECK(wrong(database) == "");
+        CHECK(database.first("SELECT sum(ticks) FROM presentation WHERE trial_id = 2").integer(0) <=
+              database.first("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = 2").integer(0));
+        CHECK(differences(database) == "");
     }
     constexpr std::int64_t kPlenty = 1'000'000'000;
     disk.room(kPlenty);
     Database database(folder.file("a.sqlite"), Access::write);
     CHECK(run(database, spec).empty());
     CHECK(content(database) == content_of_unbroken(spec));
-    CHECK(number(database, "SELECT count(*) FROM trial WHERE outcome = 'interrupted'") == 0);
+    CHECK(count(database, "trial WHERE outcome = 'interrupted'") == 0);
 }
 
 TEST_CASE("a call that the disk refuses at any moment loses nothing that was said to be saved",
@@ -130,14 +130,15 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         CHECK((!said.empty() || promised.finished));
         Database database(folder.file("a.sqlite"), Access::write);
         REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
-        CHECK(number(database, "SELECT count(*) FROM response") >=
-              static_cast<std::int64_t>(promised.answered));
-        CHECK(number(database, fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {}",
-                                           promised.trial)) >= promised.ticks);
+        CHECK(count(database, "response") >= static_cast<std::int64_t>(promised.answered));
+        CHECK(database
+                  .first(fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {}",
+                                     promised.trial))
+                  .integer(0) >= promised.ticks);
         if (!promised.finished) {
             CHECK(run(database, spec).empty());
         }
         CHECK(content(database) == whole);
-        CHECK(wrong(database) == "");
+        CHECK(differences(database) == "");
     }
 }

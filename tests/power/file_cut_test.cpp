@@ -67,7 +67,7 @@ TEST_CASE(
     EACH(there, false, true);
     const TemporaryFolder inputs;
     const TemporaryFolder folder;
-    std::vector<std::string> files;
+    Words files;
     {
         const WatchedDisk unsynced(inputs.path());
         for (const char* who : {"P1", "P2"}) {

@@ -20,7 +20,7 @@ Recorded record(const std::string& file,
     Database database(file, Access::write);
     Recorded recorded;
     recorded.promises.push_back(
-        {.answered = static_cast<std::size_t>(number(database, "SELECT count(*) FROM response"))});
+        {.answered = static_cast<std::size_t>(count(database, "response"))});
     const auto end = run_simulated(database, spec, [&](protocols::Recorder& recorder) {
         return Noting(recorder, disk, recorded.promises, save_every);
     });
@@ -36,22 +36,22 @@ void check_left(const std::string& file,
                 const std::string* whole) {
     Database database(file, Access::write);
     REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
-    CHECK(number(database, "SELECT count(*) FROM response") >=
-          static_cast<std::int64_t>(promised.answered));
-    CHECK(number(database, "SELECT count(*) FROM trial") >= promised.trial);
-    CHECK(number(database,
-                 fmt::format(
-                     "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {} AND interval = {}",
-                     promised.trial, promised.interval)) >= promised.ticks);
-    CHECK((!promised.finished || number(database, "SELECT finished FROM session") == 1));
-    CHECK(wrong(database) == "");
-    const std::size_t running = static_cast<std::size_t>(
-        number(database, "SELECT count(*) FROM trial WHERE outcome = 'running'"));
+    CHECK(count(database, "response") >= static_cast<std::int64_t>(promised.answered));
+    CHECK(count(database, "trial") >= promised.trial);
+    CHECK(database
+              .first(fmt::format(
+                  "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {} AND interval = {}",
+                  promised.trial, promised.interval))
+              .integer(0) >= promised.ticks);
+    CHECK((!promised.finished || database.first("SELECT finished FROM session").integer(0) == 1));
+    CHECK(differences(database) == "");
+    const std::size_t running =
+        static_cast<std::size_t>(count(database, "trial WHERE outcome = 'running'"));
     CHECK(data::open_session(database, spec).interrupted == running);
     if (whole != nullptr && !promised.finished) {
         CHECK(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
         CHECK(content(database) == *whole);
-        CHECK(wrong(database) == "");
+        CHECK(differences(database) == "");
     }
 }
 

@@ -115,27 +115,6 @@ inline std::string content(data::Database& database) {
            lines(database, "SELECT finished FROM session");
 }
 
-inline std::int64_t number(data::Database& database, const std::string& sql) {
-    auto row = database.prepare(sql);
-    return row.step() ? row.integer(0) : 0;
-}
-
-inline std::string wrong(data::Database& database) {
-    const data::Verification report = data::verify(database);
-    std::string text;
-    const auto add = [&text](const data::Finding& finding) {
-        if (finding.kind == data::FindingKind::differs) {
-            text += fmt::format("{} {}: {} | {}\n", finding.trial.value_or(0), finding.what,
-                                finding.stored, finding.recomputed);
-        }
-    };
-    std::ranges::for_each(report.file, add);
-    for (const auto& session : report.sessions) {
-        std::ranges::for_each(session.findings, add);
-    }
-    return text;
-}
-
 inline data::SessionSpec short_session(bool adaptive) {
     protocols::Protocol protocol = adaptive ? adaptive_protocol() : small_protocol();
     protocol.timing.explore_min = 0.1;

@@ -83,6 +83,12 @@ public:
         cookie = "Cookie: " + answer.substr(at, answer.find(';', at) - at) + "\r\n";
         return answer;
     }
+    /// Asks for the stream with the cookie.
+    [[nodiscard]] std::unique_ptr<HttpLine> stream(const std::string& query = {}) const {
+        auto line = std::make_unique<HttpLine>(port);
+        line->say("GET /stream" + query + " HTTP/1.1\r\nHost: " + host + "\r\n" + cookie + "\r\n");
+        return line;
+    }
     [[nodiscard]] std::string origin() const { return "Origin: http://" + host + "\r\n"; }
 
     std::uint16_t port = 0;

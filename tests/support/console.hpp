@@ -18,13 +18,18 @@ namespace palpate::tests {
     return asked != nullptr ? std::stoi(asked) : usual;
 }
 
+/// Asks how many events of a kind there are.
+[[nodiscard]] inline std::string events_of(const std::string& kind) {
+    return "SELECT count(*) FROM event WHERE event_kind = '" + kind + "'";
+}
+
 /// `palpate run` without a window, slow enough to be looked at; the study is longer than any test.
 /// kFourTrials is short.
 class ShownSession {
 public:
     /// @param speed  and what else is said to `run`
     explicit ShownSession(const std::string& protocol = "shape_friction",
-                          const std::vector<std::string>& speed = {"2"})
+                          const Words& speed = {"2"})
         : file(folder_.file("d.sqlite")), program(command(protocol, speed)) {
         REQUIRE(eventually([&] {
             auto all = ui::running_sessions(file);
@@ -55,13 +60,10 @@ public:
     }
 
 private:
-    [[nodiscard]] std::vector<std::string> command(const std::string& protocol,
-                                                   const std::vector<std::string>& more) const {
-        std::vector<std::string> words{
-            palpate_program(), "run",        protocol, "--participant", "P1",       "--db",   file,
-            "--headless",      "--operator", "Ada",    "--secret",      kRunSecret, "--speed"};
-        words.insert(words.end(), more.begin(), more.end());
-        return words;
+    [[nodiscard]] Words command(const std::string& protocol, const Words& more) const {
+        return joined({palpate_program(), "run", protocol, "--participant", "P1", "--db", file,
+                       "--headless", "--operator", "Ada", "--secret", kRunSecret, "--speed"},
+                      more);
     }
     TemporaryFolder folder_;
 
@@ -96,19 +98,23 @@ public:
            slurp("/proc/" + std::to_string(process) + "/stat").find(") Z ") != std::string::npos;
 }
 
+/// A browser with the cookie of a page, once its server says where it is.
+[[nodiscard]] inline Browser browser_of(const Process& server) {
+    REQUIRE(server.says("\nCtrl+C"));
+    Browser browser(server.out());
+    browser.trade();
+    return browser;
+}
+
 /// `palpate console` on a session, and a browser that has its address.
 struct Console {
     explicit Console(const ShownSession& session)
         : program({palpate_program(), "console", session.file}) {
-        REQUIRE(eventually([&] { return program.out().find("\nCtrl+C") != std::string::npos; }));
+        REQUIRE(program.says("\nCtrl+C"));
         browser = std::make_unique<Browser>(program.out());
     }
-    /// Asks for the stream with the cookie.
     [[nodiscard]] std::unique_ptr<HttpLine> stream(const std::string& query = {}) const {
-        auto line = std::make_unique<HttpLine>(browser->port);
-        line->say("GET /stream" + query + " HTTP/1.1\r\nHost: " + browser->host + "\r\n" +
-                  browser->cookie + "\r\n");
-        return line;
+        return browser->stream(query);
     }
     Process program;
     std::unique_ptr<Browser> browser;

@@ -25,9 +25,8 @@ inline const std::set<std::string> kSilent{"participant.handedness", "participan
                                            "participant.handedness_utc", "participant.consent_utc",
                                            "participant.destroyed_utc"};
 
-inline std::vector<std::string> result_columns(data::Database& database,
-                                               const std::vector<std::string>& tables) {
-    std::vector<std::string> columns;
+inline Words result_columns(data::Database& database, const Words& tables) {
+    Words columns;
     for (const std::string& table : tables) {
         for (const auto& row : database.prepare("SELECT name FROM pragma_table_info(?1)", table)) {
             if (const std::string name = table + '.' + row.text(0); !kSilent.contains(name)) {
@@ -39,12 +38,12 @@ inline std::vector<std::string> result_columns(data::Database& database,
 }
 
 /// Which words the schema lets `column` have: of its CHECK (column IN ('a', 'b')); else none.
-inline std::vector<std::string> words_of(data::Database& database,
-                                         const std::string& table,
-                                         const std::string& column) {
+inline Words words_of(data::Database& database,
+                      const std::string& table,
+                      const std::string& column) {
     const std::string sql =
         database.first("SELECT sql FROM sqlite_master WHERE name = ?1", table).text(0);
-    std::vector<std::string> words;
+    Words words;
     const std::size_t check = sql.find('(' + column + " IN");
     std::size_t at = check == std::string::npos ? check : sql.find('\'', check);
     for (const std::size_t end = sql.find(')', at); at < end;) {
@@ -191,7 +190,7 @@ inline bool check_edit(data::Database& database,
 
 /// Makes `count` seeded edits one by one. @return how many SQLite let through
 inline int check_edits(data::Database& database,
-                       const std::vector<std::string>& columns,
+                       const Words& columns,
                        int count,
                        std::uint64_t seed) {
     database.execute("PRAGMA foreign_keys = OFF");

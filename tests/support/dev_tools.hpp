@@ -4,9 +4,8 @@
 #include <poll.h>
 #include <sys/stat.h>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 namespace palpate::tests {
 
@@ -14,7 +13,7 @@ namespace palpate::tests {
 class DevTools {
 public:
     [[nodiscard]] static bool installed() {
-        return Process({"sh", "-c", "command -v chromium"}).wait().code == 0;
+        return tests::installed("Chromium", {"sh", "-c", "command -v chromium"});
     }
     explicit DevTools(const std::string& address)
         : to_(pipe("to")),

@@ -1,20 +1,11 @@
 #pragma once
 
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/window_session.hpp"
 
 /// A board on a pseudo-terminal whose handle nobody holds, and an operator who types and brings it.
 namespace palpate::tests {
-
-inline int times(const std::string& text, const std::string& what) {
-    int found = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
-        ++found;
-    }
-    return found;
-}
 
 /// The place of the last "Bring the handle to (X, Y) mm" as the emulator takes it: "X,Y", in space
 /// "X,Y,Z".
@@ -94,15 +85,15 @@ private:
 inline void operate(TypedTo& operated,
                     FreeBoard& board,
                     const std::string& seen = "no such words") {
-    int yes = 0;
-    int brought = 0;
+    std::size_t yes = 0;
+    std::size_t brought = 0;
     CHECK(eventually([&] {
         const std::string out = operated.program().out();
-        if (times(out, "Type yes:") > yes) {
+        if (count_of(out, "Type yes:") > yes) {
             ++yes;
             operated.type("yes");
         }
-        if (times(out, "Bring the handle to") > brought) {
+        if (count_of(out, "Bring the handle to") > brought) {
             ++brought;
             board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
             operated.type("");
@@ -140,6 +131,45 @@ inline Finished operated(const TemporaryFolder& folder,
             return end;
         }
         board.bring(home);
+    }
+}
+
+/// A session in a window, as an operator opens it with `words`; a busy machine may need more tries.
+/// @param home      where the handle is before each
+/// @param replaced  a file that somebody writes over with `other` at the first question
+inline std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
+                                               FreeBoard& board,
+                                               const Xvfb& screen,
+                                               const std::string& words,
+                                               const std::string& home = "0,89.3",
+                                               const std::string& replaced = "",
+                                               const std::string& other = "") {
+    std::unique_ptr<TypedTo> typed;
+    const std::string text = slurp(replaced);
+    for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
+        board.bring(home);
+        if (!replaced.empty()) {
+            write(replaced, text);
+        }
+        typed = std::make_unique<TypedTo>(folder, fmt::format("run{}", attempt), words,
+                                          shown_on(screen.display()));
+        if (!replaced.empty()) {
+            CHECK(typed->program().says("Type yes:"));
+            write(replaced, other);
+        }
+        operate(*typed, board, "If it ends early");
+    }
+    return typed;
+}
+
+/// By the experimenter, at the window.
+inline void end_session(XHand& hand, TypedTo& run) {
+    for (int i = 0; i < 40 && run.program().running(); ++i) {
+        hand.focus(hand.find_window("palpate: "));
+        hand.chord("q");
+        pause(0.2);
+        hand.key("y");
+        pause(0.2);
     }
 }
 

@@ -10,14 +10,13 @@ namespace palpate::tests {
 using Json = nlohmann::ordered_json;
 
 /// What the program says to `words` and --json.
-inline Json json_of(std::vector<std::string> words) {
+inline Json json_of(Words words) {
     words.emplace_back("--json");
     return Json::parse(ran(words).out);
 }
 /// Of palpate fit.
-inline Json fitted(std::vector<std::string> words) {
-    words.insert(words.begin(), "fit");
-    return json_of(std::move(words));
+inline Json fitted(const Words& words) {
+    return json_of(joined({"fit"}, words));
 }
 
 }  // namespace palpate::tests

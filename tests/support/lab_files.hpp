@@ -28,8 +28,7 @@ public:
         lab_sqlite(file, sql);
         return file;
     }
-    [[nodiscard]] std::vector<std::string> run(const std::string& file,
-                                               const std::string& who) const {
+    [[nodiscard]] Words run(const std::string& file, const std::string& who) const {
         return {"run", "shape_friction_demo", "--participant", who, "--db",
                 file,  "--headless",          "--speed",       "0"};
     }

@@ -124,8 +124,8 @@ struct MergeWorld {
     TemporaryFolder folder;
     Random random;
     std::vector<Rig> rigs;
-    std::vector<std::string> files;  ///< all moments
-    std::vector<std::string> last;   ///< what became of them
+    Words files;  ///< all moments
+    Words last;   ///< what became of them
 };
 
 }  // namespace palpate::tests

@@ -2,30 +2,23 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 /// Reads a page of palpate report as text.
 namespace palpate::tests {
 
-/// How often `what` is in a text.
-inline std::size_t count_of(const std::string& text, const std::string& what) {
-    std::size_t n = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos;
-         at = text.find(what, at + what.size())) {
-        ++n;
-    }
-    return n;
+/// What palpate report makes of a database, with more words.
+inline std::string page_of(const std::string& file, const Words& words) {
+    const std::string page = file + ".html";
+    ran(joined({"report", file, "-o", page}, words));
+    return slurp(page);
 }
 
 /// Text that stood between tags.
 inline std::string unescaped(std::string text) {
     for (const auto& [entity, c] : std::initializer_list<std::pair<const char*, const char*>>{
              {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}}) {
-        for (std::size_t at = text.find(entity); at != std::string::npos;
-             at = text.find(entity, at + 1)) {
-            text.replace(at, std::string(entity).size(), c);
-        }
+        text = all_replaced(std::move(text), entity, c);
     }
     return text;
 }
@@ -153,8 +146,8 @@ inline void add_numbers(const nlohmann::ordered_json& json, std::set<std::string
 }
 
 /// The fields of a CSV that are numbers, as add_numbers() writes them.
-inline std::vector<std::string> numbers_of(std::string csv) {
-    std::vector<std::string> numbers;
+inline Words numbers_of(std::string csv) {
+    Words numbers;
     std::ranges::replace(csv, '\n', ',');
     for (const std::string& field : split(csv)) {
         double value = 0.0;

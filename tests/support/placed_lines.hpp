@@ -27,7 +27,7 @@ inline void check_places(const std::string& refusal) {
 /// there twice, or words and signs that break things; another digit gets furthest.
 /// @param cut  below so many bytes are lost at a time
 inline std::string broken(std::string text, Random& random, int cut = 200) {
-    static const std::vector<std::string> splinters = split(
+    static const Words splinters = split(
         "-|[|]|[[|\"|'''|=|#|\n|\r|.|,|nan|inf|1e999|9223372036854775808|0x|1_0|{|}|"
         "\xff|\xc3|\x01|true|1979-05-27|\\u0000|first_order|blocks = 2\n|"
         "[[object.segment]]\n|set = \"five_shapes\"\n|size = 2\n|turn_deg = 90\n|"

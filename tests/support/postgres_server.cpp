@@ -38,7 +38,7 @@ int free_port() {
 }
 
 /// The server refuses to run as root.
-std::vector<std::string> as_ordinary_user(std::vector<std::string> command) {
+Words as_ordinary_user(Words command) {
     if (geteuid() == 0) {
         const std::string id = fmt::format("{}", kNobody);
         command.insert(command.begin(),
@@ -50,7 +50,7 @@ std::vector<std::string> as_ordinary_user(std::vector<std::string> command) {
 }
 
 /// Gives files to the user that the server runs as.
-void own(const std::vector<std::string>& files) {
+void own(const Words& files) {
     for (const std::string& file : files) {
         if (geteuid() == 0 && chown(file.c_str(), kNobody, kNobody) != 0) {
             throw std::runtime_error("cannot give " + file + " to an ordinary user");

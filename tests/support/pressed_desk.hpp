@@ -97,25 +97,20 @@ struct PressedDesk {
     /// @param open  an open board instead of a Haply board
     /// @param more  of the command's words
     explicit PressedDesk(PressingHand::Does does,
-                         const std::vector<std::string>& environment = {},
+                         const Words& environment = {},
                          bool open = false,
-                         const std::vector<std::string>& more = {})
+                         const Words& more = {})
         : board(
               machine,
               [&] { return std::make_unique<PressingHand>(machine, does); },
               folder.file("board"),
               open ? engine::make_open_board : engine::make_haply_board) {
         std::ofstream(folder.file("p.toml")) << pressed_study();
-        std::vector<std::string> words{"run",           folder.file("p.toml"),
-                                       "--participant", "P1",
-                                       "--db",          file,
-                                       "--device",      (open ? "board:" : "haply:") + board.path(),
-                                       "--calibration", "2diy_gen3",
-                                       "--kind",        "pilot",
-                                       "--windowed"};
-        words.insert(words.end(), more.begin(), more.end());
-        session =
-            std::make_unique<WindowSession>(words, file, environment, WindowSession::Screen{});
+        const Words words = joined({"run", folder.file("p.toml"), "--participant", "P1", "--db",
+                                    file, "--device", (open ? "board:" : "haply:") + board.path(),
+                                    "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
+                                   more);
+        session = std::make_unique<WindowSession>(words, environment, WindowSession::Screen{});
         session->press_at("welcome", "space");
     }
 

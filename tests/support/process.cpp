@@ -1,7 +1,6 @@
 #include "tests/support/process.hpp"
 
 #include "tests/support/child.hpp"
-#include "tests/support/slurp.hpp"
 
 namespace palpate::tests {
 namespace {
@@ -38,8 +37,8 @@ TemporaryFolder::~TemporaryFolder() {
     std::filesystem::remove_all(path_, ignored);
 }
 
-std::vector<std::string> TemporaryFolder::names() const {
-    std::vector<std::string> names;
+Words TemporaryFolder::names() const {
+    Words names;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) {
         names.push_back(entry.path().filename().string());
     }
@@ -47,8 +46,7 @@ std::vector<std::string> TemporaryFolder::names() const {
     return names;
 }
 
-Process::Process(const std::vector<std::string>& command,
-                 const std::vector<std::string>& environment) {
+Process::Process(const Words& command, const Words& environment) {
     std::vector<char*> words;
     for (const std::string& word : command) {
         words.push_back(const_cast<char*>(word.c_str()));  // NOLINT: execvp's old signature
@@ -118,6 +116,19 @@ std::string Process::error() const {
     return slurp(folder_.file("error"));
 }
 
+bool Process::says(std::string_view text) const {
+    return eventually([&] { return out().find(text) != std::string::npos; });
+}
+
+bool Process::warns(std::string_view text) const {
+    return eventually([&] { return error().find(text) != std::string::npos; });
+}
+
+int Process::ended_by(int number) {
+    signal(number);
+    return wait().code;
+}
+
 std::string palpate_program() {
     const char* mutant = std::getenv("PALPATE_TEST_PROGRAM");
     return mutant != nullptr ? mutant : PALPATE_PROGRAM;
@@ -132,9 +143,8 @@ bool others_load_extension() {
 #endif
 }
 
-Finished palpate_command(const std::vector<std::string>& arguments) {
-    std::vector<std::string> command{palpate_program()};
-    command.insert(command.end(), arguments.begin(), arguments.end());
+Finished palpate_command(const Words& arguments) {
+    Words command = command_of(arguments);
     const auto file = std::find(command.begin(), command.end(), "--db");
     const bool given = std::find(command.begin(), command.end(), "--secret") != command.end();
     if (command.size() > 1 && command[1] == "run" && file < command.end() - 1 && !given &&

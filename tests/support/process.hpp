@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/support/std.hpp"
+#include "tests/support/slurp.hpp"
 
 namespace palpate::tests {
 
@@ -17,10 +17,17 @@ public:
         return (path_ / name).string();
     }
     /// Names of everything in it, sorted.
-    [[nodiscard]] std::vector<std::string> names() const;
+    [[nodiscard]] Words names() const;
 
 private:
     std::filesystem::path path_;
+};
+
+/// The name of a file in a folder of its own, which goes with it.
+class TemporaryFile : private TemporaryFolder, public std::string {
+public:
+    explicit TemporaryFile(const std::string& name) : std::string(TemporaryFolder::file(name)) {}
+    operator std::filesystem::path() const { return c_str(); }  // NOLINT: as a std::string does
 };
 
 struct Finished {
@@ -38,8 +45,7 @@ public:
     /// @param command      program and arguments
     /// @param environment  "NAME=value" changes; "NAME" alone removes; kTerminal + "=/dev/pts/N" is
     /// its terminal
-    explicit Process(const std::vector<std::string>& command,
-                     const std::vector<std::string>& environment = {});
+    explicit Process(const Words& command, const Words& environment = {});
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
     ~Process();
@@ -50,8 +56,14 @@ public:
     /// What it has printed so far.
     [[nodiscard]] std::string out() const;
     [[nodiscard]] std::string error() const;
+    /// Waits until it has printed `text`. @return it has, in time
+    [[nodiscard]] bool says(std::string_view text) const;
+    /// The same of standard error.
+    [[nodiscard]] bool warns(std::string_view text) const;
     /// Waits to the end; kills after `limit` and reports code 137.
     Finished wait(std::chrono::seconds limit = std::chrono::seconds(120));
+    /// Sends a signal, and waits to the end. @return the code
+    int ended_by(int number);
 
 private:
     TemporaryFolder folder_;
@@ -65,20 +77,22 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 
 /// Runs the program under test, headless unless the arguments say otherwise. `run` makes a new file
 /// with kRunSecret unless another --secret is given.
-[[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
+[[nodiscard]] Finished palpate_command(const Words& arguments);
 
 /// What `palpate run` takes for a session of a participant into a file, and more words.
-[[nodiscard]] inline std::vector<std::string> run_words(const std::string& protocol,
-                                                        const std::string& participant,
-                                                        const std::string& file,
-                                                        const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words{"run", protocol, "--participant", participant, "--db", file};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+[[nodiscard]] inline Words run_words(const std::string& protocol,
+                                     const std::string& participant,
+                                     const std::string& file,
+                                     const Words& more = {}) {
+    return joined({"run", protocol, "--participant", participant, "--db", file}, more);
 }
 
 /// Path of the program under test: PALPATE_TEST_PROGRAM, else the one that was built.
 [[nodiscard]] std::string palpate_program();
+/// It and these words, for a Process.
+[[nodiscard]] inline Words command_of(const Words& arguments) {
+    return joined({palpate_program()}, arguments);
+}
 
 /// Makes `file` of `text`, byte for byte.
 inline void write(const std::string& file, std::string_view text) {

@@ -45,13 +45,12 @@ public:
     TypedTo(const TemporaryFolder& folder,
             const std::string& name,
             const std::string& words,
-            const std::vector<std::string>& environment = {},
+            const Words& environment = {},
             const std::string& program = palpate_program())
         : pipe_(folder.file(name)) {
         std::string command =
             "mkfifo '" + pipe_ + "' && exec '" + program + "' " + words + " <> '" + pipe_ + "'";
-        program_ =
-            std::make_unique<Process>(std::vector<std::string>{"sh", "-c", command}, environment);
+        program_ = std::make_unique<Process>(Words{"sh", "-c", command}, environment);
     }
     /// Opens the way to it when first used: waits until the program reads.
     void type(const std::string& line) {

@@ -8,7 +8,7 @@
 /// Rows of the virtual table `sample`, and what they must be by the reader's ticks.
 namespace palpate::tests {
 
-using SampleRow = std::vector<std::string>;
+using SampleRow = Words;
 
 /// A value to the bit; NULL and NaN alike.
 inline std::string exactly(double value) {
@@ -82,8 +82,8 @@ inline void add_interval(data::Database& database) {
         "presentation SELECT * FROM second;DROP TABLE second");
 }
 
-inline const std::vector<std::string>& sample_columns() {
-    static const std::vector<std::string> names = split(
+inline const Words& sample_columns() {
+    static const Words names = split(
         "trial_id interval tick time_s count_1 count_2 code_1 code_2 lateness_us flags mode "
         "segment u hip_x_m hip_y_m cp_x_m cp_y_m go_x_m go_y_m rendered_x_n rendered_y_n "
         "commanded_x_n commanded_y_n rendered_normal_n rendered_tangential_n mu count_3 code_3 v "

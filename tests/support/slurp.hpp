@@ -4,6 +4,15 @@
 
 namespace palpate::tests {
 
+/// The words of a command, or names.
+using Words = std::vector<std::string>;
+
+/// `words`, and more after them.
+[[nodiscard]] inline Words joined(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 /// All bytes of a file; none where there is no such file.
 inline std::string slurp(const std::filesystem::path& file) {
     std::ostringstream text;
@@ -24,8 +33,8 @@ inline std::string everything(const std::filesystem::path& folder) {
 }
 
 /// The lines of a text.
-inline std::vector<std::string> lines_in(const std::string& text) {
-    std::vector<std::string> lines;
+inline Words lines_in(const std::string& text) {
+    Words lines;
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) {
         lines.push_back(std::move(line));
@@ -34,8 +43,8 @@ inline std::vector<std::string> lines_in(const std::string& text) {
 }
 
 /// What stands between the separators of a line, the empty too.
-inline std::vector<std::string> split(const std::string& line, char separator = ',') {
-    std::vector<std::string> fields{""};
+inline Words split(const std::string& line, char separator = ',') {
+    Words fields{""};
     for (const char c : line) {
         if (c == separator) {
             fields.emplace_back();
@@ -44,6 +53,31 @@ inline std::vector<std::string> split(const std::string& line, char separator = 
         }
     }
     return fields;
+}
+
+/// How often `what` is in a text.
+inline std::size_t count_of(const std::string& text, std::string_view what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos;
+         at = text.find(what, at + what.size())) {
+        ++n;
+    }
+    return n;
+}
+
+/// What stands between `open` and the next `close`, every time.
+inline Words between(const std::string& text, std::string_view open, std::string_view close) {
+    Words found;
+    for (std::size_t at = text.find(open); at != std::string::npos;) {
+        const std::size_t begin = at + open.size();
+        const std::size_t end = text.find(close, begin);
+        if (end == std::string::npos) {
+            break;
+        }
+        found.push_back(text.substr(begin, end - begin));
+        at = text.find(open, end + close.size());
+    }
+    return found;
 }
 
 /// "01 FF".
@@ -64,9 +98,8 @@ inline std::vector<std::uint8_t> bytes_of_hex(const std::string& text) {
 }
 
 /// Rows of a CSV without quotes, its head first.
-inline std::vector<std::vector<std::string>> csv_rows(const std::string& csv,
-                                                      char separator = ',') {
-    std::vector<std::vector<std::string>> rows;
+inline std::vector<Words> csv_rows(const std::string& csv, char separator = ',') {
+    std::vector<Words> rows;
     for (const std::string& line : lines_in(csv)) {
         rows.push_back(split(line, separator));
     }
@@ -74,17 +107,18 @@ inline std::vector<std::vector<std::string>> csv_rows(const std::string& csv,
 }
 
 /// The same without the head.
-inline std::vector<std::vector<std::string>> csv_body(const std::string& csv) {
+inline std::vector<Words> csv_body(const std::string& csv) {
     auto rows = csv_rows(csv);
     rows.erase(rows.begin(), rows.begin() + (rows.empty() ? 0 : 1));
     return rows;
 }
 
 /// The same by the names of its columns. @param names  none: the head is first
-inline std::vector<std::map<std::string, std::string>> csv_records(
-    const std::string& csv, char separator = ',', std::vector<std::string> names = {}) {
+inline std::vector<std::map<std::string, std::string>> csv_records(const std::string& csv,
+                                                                   char separator = ',',
+                                                                   Words names = {}) {
     std::vector<std::map<std::string, std::string>> records;
-    for (std::vector<std::string>& row : csv_rows(csv, separator)) {
+    for (Words& row : csv_rows(csv, separator)) {
         if (names.empty()) {
             names = std::move(row);
             continue;
@@ -105,7 +139,14 @@ inline std::string replaced(std::string text, std::string_view from, std::string
     }
     return text.replace(at, from.size(), to);
 }
-/// The same once after the other.
+/// The same with every one of them.
+inline std::string all_replaced(std::string text, std::string_view from, std::string_view to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+        text.replace(at, from.size(), to);
+    }
+    return text;
+}
+/// The first of each replaced, once after the other.
 inline std::string edited(std::string text,
                           const std::vector<std::pair<std::string, std::string>>& edits) {
     for (const auto& [from, to] : edits) {

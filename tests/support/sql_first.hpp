@@ -13,14 +13,22 @@ inline std::string sql_first(const std::string& file, const std::string& query) 
     return row.step() ? row.text(0) : "";
 }
 
-/// The first column of all its rows, a line each.
+/// All its rows, a line each, with bars between the columns.
 inline std::string sql_lines(const std::string& file, const std::string& query) {
     data::Database database(file, data::Access::read);
     std::string text;
     for (const auto& row : database.prepare(query)) {
-        text += row.text(0) + '\n';
+        for (int i = 0; i < row.columns(); ++i) {
+            text += (i == 0 ? "" : "|") + row.text(i);
+        }
+        text += '\n';
     }
     return text;
+}
+
+/// Changes it, as somebody with the file could.
+inline void sql_edit(const std::string& file, const std::string& sql) {
+    data::Database(file, data::Access::write).execute(sql.c_str());
 }
 
 }  // namespace palpate::tests

@@ -64,8 +64,8 @@ public:
         plug_in();
     }
     void plug_in() {
-        holder_ = std::make_unique<tests::Process>(
-            std::vector<std::string>{"sh", "-c", "exec sleep 1000 <> " + file_});
+        holder_ =
+            std::make_unique<tests::Process>(Words{"sh", "-c", "exec sleep 1000 <> " + file_});
         if (!eventually([&] {
                 const int end = open_end();
                 close(end);

@@ -1,9 +1,5 @@
 #include "tests/support/studies.hpp"
 
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
@@ -160,7 +156,7 @@ private:
     std::string all_;
 };
 
-std::vector<std::string> tables(data::Database& database) {
+Words tables(data::Database& database) {
     return texts(database.prepare(
         "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%' AND name "
         "NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name"));

@@ -18,24 +18,22 @@ inline std::string four_trials() {
 
 /// The rows of a table of tests/texts: fields with tabs between, in which \n is the end of a line;
 /// a line that begins with # is a remark.
-inline std::vector<std::vector<std::string>> test_rows(const std::string& name) {
-    std::vector<std::vector<std::string>> rows;
+inline std::vector<Words> test_rows(const std::string& name) {
+    std::vector<Words> rows;
     for (const std::string& line : lines_in(test_text(name))) {
         if (line.empty() || line.front() == '#') {
             continue;
         }
         for (std::string& field : rows.emplace_back(split(line, '\t'))) {
-            for (std::size_t at = 0; (at = field.find("\\n", at)) != std::string::npos;) {
-                field.replace(at, 2, "\n");
-            }
+            field = all_replaced(std::move(field), "\\n", "\n");
         }
     }
     return rows;
 }
 
 /// `first`, and the words of a line with blanks between.
-inline std::vector<std::string> words_of(const std::string& first, const std::string& line) {
-    std::vector<std::string> words{first};
+inline Words words_of(const std::string& first, const std::string& line) {
+    Words words{first};
     for (std::string& word : split(line, ' ')) {
         if (!word.empty()) {
             words.push_back(std::move(word));

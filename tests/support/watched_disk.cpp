@@ -1,4 +1,3 @@
-#include "tests/support/disk_model.hpp"
 #include "tests/support/watched_disk_state.hpp"
 
 namespace palpate::tests {

@@ -7,23 +7,6 @@ namespace {
 
 constexpr const char* kTitle = "palpate: ";
 
-std::vector<std::string> command_of(const std::vector<std::string>& arguments) {
-    std::vector<std::string> command{palpate_program()};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    return command;
-}
-
-std::vector<std::string> with_display(std::vector<std::string> environment,
-                                      const std::string& display) {
-    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to
-    // judge.
-    environment.insert(environment.begin(), {"DISPLAY=" + display, "SDL_VIDEODRIVER=x11",
-                                             "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
-                                             "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR
-                                             "/tests/support/tsan.supp"});
-    return environment;
-}
-
 void sleep_a_little() {
     std::this_thread::sleep_for(std::chrono::milliseconds(15));
 }
@@ -39,6 +22,14 @@ bool in_trouble(const std::string& screen) {
 }
 
 }  // namespace
+
+Words shown_on(const std::string& display) {
+    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to
+    // judge.
+    return {"DISPLAY=" + display, "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
+            "ASAN_OPTIONS=detect_leaks=0",
+            "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"};
+}
 
 void press_on(XHand& hand) {
     const XHand::Window window = hand.find_window(kTitle);
@@ -70,15 +61,12 @@ void leave_trouble(XHand& hand) {
     }
 }
 
-WindowSession::WindowSession(const std::vector<std::string>& arguments,
-                             std::string database,
-                             const std::vector<std::string>& environment,
-                             const Screen& screen)
+WindowSession::WindowSession(const Words& arguments, const Words& environment, const Screen& screen)
     : screen_(screen.width, screen.height, screen.second),
       display_(screen_.display() + (screen.second ? ".1" : "")),
       hand_(display_),
-      database_(std::move(database)),
-      program_(command_of(arguments), with_display(environment, display_)) {}
+      database_(*std::next(std::ranges::find(arguments, "--db"))),
+      program_(command_of(arguments), joined(shown_on(display_), environment)) {}
 
 template <class Seen>
 void WindowSession::wait(const std::string& what, const Seen& seen) {
@@ -139,6 +127,12 @@ void WindowSession::press_at(const std::string& name, const std::string& key) {
         }
         return false;
     });
+}
+
+void WindowSession::go_through(std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+        press_at(name, "space");
+    }
 }
 
 bool WindowSession::comes_to(const std::string& name) {

@@ -5,6 +5,9 @@
 
 namespace palpate::tests {
 
+/// Environment of a program in a window on an X display.
+[[nodiscard]] Words shown_on(const std::string& display);
+
 /// Presses once what goes on from the screen that is shown, and gives the program a moment to show
 /// another: the first answer at a question, the experimenter's chord at a pause and at a trouble
 /// (which a busy machine may make at any time) that Space does not end, elsewhere Space.
@@ -25,15 +28,10 @@ public:
         bool second = false;  ///< a second screen, of 1024 x 768, and the program is on that
     };
 
-    /// Starts `palpate ARGUMENTS...`, e.g. run; its database is database(), to be named by the
-    /// arguments.
-    /// @param folder  outlives this; holds database()
-    WindowSession(const std::vector<std::string>& arguments,
-                  std::string database,
-                  const std::vector<std::string>& environment,
-                  const Screen& screen);
-    WindowSession(const std::vector<std::string>& arguments, std::string database)
-        : WindowSession(arguments, std::move(database), {}, Screen{}) {}
+    /// Starts `palpate ARGUMENTS...`, e.g. run; they name its database by --db, in a folder that
+    /// outlives this.
+    WindowSession(const Words& arguments, const Words& environment, const Screen& screen);
+    explicit WindowSession(const Words& arguments) : WindowSession(arguments, {}, Screen{}) {}
 
     /// Waits until the program shows the screen `name` ("ready", "explore", ...) and the window has
     /// the keyboard.
@@ -48,6 +46,9 @@ public:
     /// Waits for `name`, presses `key` there until something else is shown. A press that comes too
     /// early for the screen is made again.
     void press_at(const std::string& name, const std::string& key);
+
+    /// Presses Space at each of these screens, one after the other.
+    void go_through(std::initializer_list<const char*> names);
 
     /// Waits until `name` or a trouble is shown, and leaves the trouble. @return it was `name`
     [[nodiscard]] bool comes_to(const std::string& name);

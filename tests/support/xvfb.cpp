@@ -23,9 +23,8 @@ Xvfb::Xvfb(int width, int height, bool second) {
             continue;
         }
         display_ = fmt::format(":{}", number);
-        std::vector<std::string> words{
-            "Xvfb",      display_, "-screen", "0", fmt::format("{}x{}x24", width, height),
-            "-nolisten", "tcp",    "-noreset"};
+        Words words{"Xvfb",      display_, "-screen", "0", fmt::format("{}x{}x24", width, height),
+                    "-nolisten", "tcp",    "-noreset"};
         if (second) {
             words.insert(words.end(), {"-screen", "1", "1024x768x24"});
         }

@@ -10,7 +10,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol shipped() {
-    return parse_protocol(palpate::tests::short_text("shape_friction_demo", {}), "p.toml");
+    return parse_protocol(short_text("shape_friction_demo", {}), "p.toml");
 }
 
 /// A hash of what the screen shows.
@@ -43,7 +43,7 @@ void press_until_done(SDL_Keycode key, const std::function<void()>& ask) {
     std::thread subject([&] {
         while (!answered) {
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
-            tests::press(key);
+            press(key);
         }
     });
     ask();
@@ -94,7 +94,7 @@ private:
     ui::SubjectScreen screen_;
 };
 
-struct Forgetful : tests::NoRecorder {
+struct Forgetful : NoRecorder {
     TrialId begin_trial(const PlannedTrial& planned) override {
         conditions.insert(planned.condition);
         return 1;
@@ -106,7 +106,7 @@ struct Forgetful : tests::NoRecorder {
 
 TEST_CASE("while exploring, the subject's picture is the same to the pixel for all ten conditions",
           "[blind][law]") {
-    tests::draw_into_memory();
+    draw_into_memory();
     Protocol protocol = shipped();
     protocol.timing.explore_min = 0.0;
     protocol.invalid = {
@@ -150,7 +150,7 @@ TEST_CASE(
     "after a fault the screens are the same to the pixel for all conditions, dead-man key or not",
     "[blind][fault][law]") {
     /// Shows the real faces of a session whose every trial faults once.
-    class Shaken : public tests::Patient {
+    class Shaken : public Patient {
     public:
         explicit Shaken(bool dead_man) : screen_(small_screen(dead_man)) {}
         ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
@@ -177,11 +177,11 @@ TEST_CASE(
         ui::SubjectScreen screen_;
     };
     const bool dead_man = GENERATE(false, true);
-    tests::draw_into_memory();
-    const Protocol protocol = tests::short_protocol();
-    const Plan plan = tests::plan_of(protocol);
-    tests::World world{.fault_share = 1.0, .max_faults = 1, .away = 1};
-    tests::FaultyApparatus apparatus(world);
+    draw_into_memory();
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 1.0, .max_faults = 1, .away = 1};
+    FaultyApparatus apparatus(world);
     Shaken screen(dead_man);
     Forgetful recorder;
     const SessionEnd end = run_session(
@@ -210,7 +210,7 @@ TEST_CASE(
     "question too",
     "[long][blind][answers][law]") {
     /// Shows the real screens of both intervals for each trial of a session, and answers by itself.
-    class TwoIntervals : public tests::Patient {
+    class TwoIntervals : public Patient {
     public:
         TwoIntervals() : screen_(small_screen(false, ResponseKind::two_interval)) {}
         Signal ready(const TrialView& trial) override {
@@ -267,11 +267,11 @@ TEST_CASE(
         }
         ui::SubjectScreen screen_;
     };
-    tests::draw_into_memory();
-    const Protocol protocol = tests::short_protocol();
-    const Plan plan = tests::plan_of(protocol);
-    tests::World world;
-    tests::FaultyApparatus apparatus(world);
+    draw_into_memory();
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world;
+    FaultyApparatus apparatus(world);
     TwoIntervals screen;
     Forgetful recorder;
     const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),

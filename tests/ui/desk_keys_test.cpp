@@ -6,8 +6,6 @@ using namespace palpate::ui;
 
 namespace {
 
-constexpr auto kChord = static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT);
-
 struct DeskRig {
     SubjectScreenOptions with() {
         SubjectScreenOptions all = options();
@@ -52,7 +50,7 @@ TEST_CASE("what became of a mark stands at the lower edge, until something else 
     DeskRig rig;
     const auto says = [&](const std::string& sentence) {
         static_cast<void>(rig.screen.gap(0.1));
-        CHECK_THAT(rig.words(), Catch::Matchers::Contains(sentence));
+        CHECK_THAT(rig.words(), Has(sentence));
     };
     rig.desk.reply({.found = true, .runs_again = true, .number = {false, 3, 10}, .trial = 7});
     says("trial 3 of 10 does not count and runs again");
@@ -66,7 +64,7 @@ TEST_CASE("the question of a mark names the trial that runs, or the last one",
           "[screen][desk][law]") {
     DeskRig rig;
     const auto asks = [&](const std::string& which) {
-        CHECK_THAT(rig.words(), Catch::Matchers::Contains("press Y if " + which + " trial"));
+        CHECK_THAT(rig.words(), Has("press Y if " + which + " trial"));
         press(SDLK_n);
         static_cast<void>(rig.screen.gap(0.1));
     };
@@ -104,9 +102,8 @@ TEST_CASE("a break asks for the handle before it asks for Space", "[screen][desk
         },
         500);
     CHECK(rig.screen.rest(0.0, kTrial) == Signal::go_on);
-    CHECK_THAT(before, Catch::Matchers::Contains("First bring the handle home") &&
-                           !Catch::Matchers::Contains("Space"));
-    CHECK_THAT(rig.words(), Catch::Matchers::Contains("Press Space to go on"));
+    CHECK_THAT(before, Has("First bring the handle home") && !Has("Space"));
+    CHECK_THAT(rig.words(), Has("Press Space to go on"));
 }
 
 TEST_CASE("a break and a pause end with a stop, which is still to be shown",

@@ -27,13 +27,13 @@ std::string longest(const std::string& words) {
 struct Shown {
     std::string name;
     std::function<void(Window&)> draw;
-    std::string_view Words::*to_press =
+    std::string_view ui::Words::*to_press =
         nullptr;                ///< must be there; none: the face asks for nothing
     std::vector<Card> cards{};  ///< that stand on it
 };
 
 template <class Face>
-Shown shown(Face face, std::string_view Words::*to_press = nullptr) {
+Shown shown(Face face, std::string_view ui::Words::*to_press = nullptr) {
     return {std::string(Face::kName), [face](Window& window) { draw(window, face); }, to_press};
 }
 
@@ -50,24 +50,24 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     std::vector<Shown> all;
     for (const ResponseKind asks :
          {ResponseKind::identification, ResponseKind::two_interval, ResponseKind::yes_no}) {
-        all.push_back(shown(WelcomeFace{1114, 112, true, true, true, asks}, &Words::begin));
-        all.push_back(shown(WelcomeFace{1, 0, false, false, false, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1114, 112, true, true, true, asks}, &ui::Words::begin));
+        all.push_back(shown(WelcomeFace{1, 0, false, false, false, asks}, &ui::Words::begin));
     }
-    all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
-    all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
+    all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &ui::Words::press_to_feel));
+    all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &ui::Words::hold_to_feel));
     for (const auto& [x, open, inside, to_press] :
-         {std::tuple(0.03, true, false, &Words::press_to_feel),
-          std::tuple(0.03, false, false, &Words::bring_to_start),
-          std::tuple(0.004, false, false, &Words::bring_to_height),
-          std::tuple(0.0, false, true, &Words::bring_out)}) {
+         {std::tuple(0.03, true, false, &ui::Words::press_to_feel),
+          std::tuple(0.03, false, false, &ui::Words::bring_to_start),
+          std::tuple(0.004, false, false, &ui::Words::bring_to_height),
+          std::tuple(0.0, false, true, &ui::Words::bring_out)}) {
         const StartMark mark{{x, 0.0, 0.01}, 0.005, true, open, inside, true};
         all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark}, to_press));
     }
     for (const bool shape : {false, true}) {
         all.push_back(shown(ExploreFace{1027, 1114, true, true, true, true, 2, 2, shape},
-                            shape ? &Words::enter_when_known : &Words::enter_when_felt));
+                            shape ? &ui::Words::enter_when_known : &ui::Words::enter_when_felt));
         all.push_back(shown(ExploreFace{1027, 1114, true, false, true, false, 2, 2, shape},
-                            shape ? &Words::space_when_known : &Words::space_when_felt));
+                            shape ? &ui::Words::space_when_known : &ui::Words::space_when_felt));
     }
     const auto ask = [&](Question question) {
         const bool slow = question.kind == ResponseKind::identification && size.x * size.y > 2e6;
@@ -77,7 +77,7 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
             }
             question.text = worded ? longest("Hangisi daha pürüzlüydü? ") : "";
             Shown face = shown(ChooseFace{question, question.answers - 1, false},
-                               question.answers == 2 ? &Words::choose_of_two : nullptr);
+                               question.answers == 2 ? &ui::Words::choose_of_two : nullptr);
             face.cards = lay_out_answers(question, size);
             all.push_back(face);
         }
@@ -98,17 +98,17 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     all.back().cards = lay_out_scale(kMaxConfidence, size);
     all.push_back(shown(FeedbackFace{true}));
     all.push_back(shown(FeedbackFace{false}));
-    all.push_back(shown(BreakFace{0, 1031, 1114}, &Words::go_on));
+    all.push_back(shown(BreakFace{0, 1031, 1114}, &ui::Words::go_on));
     all.push_back(shown(BreakFace{120, 1031, 1114, true}));
-    all.push_back(shown(BreakFace{0, 1031, 1114, false, true}, &Words::home_first));
+    all.push_back(shown(BreakFace{0, 1031, 1114, false, true}, &ui::Words::home_first));
     const std::string sentence =
         "/dev/serial/by-id/usb-Haply_Robotics_2diy_0123456789-if00: the device stopped answering "
         "17 s ago: check its cable and its power, then wait until it is found again";
     all.push_back(shown(TroubleFace{sentence, false, false}));
-    all.push_back(shown(TroubleFace{sentence, true, false}, &Words::go_on));
-    all.push_back(shown(TroubleFace{sentence, true, true}, &Words::end_of_pause));
-    all.push_back(shown(PauseFace{}, &Words::end_of_pause));
-    all.push_back(shown(EndFace{}, &Words::tell_experimenter));
+    all.push_back(shown(TroubleFace{sentence, true, false}, &ui::Words::go_on));
+    all.push_back(shown(TroubleFace{sentence, true, true}, &ui::Words::end_of_pause));
+    all.push_back(shown(PauseFace{}, &ui::Words::end_of_pause));
+    all.push_back(shown(EndFace{}, &ui::Words::tell_experimenter));
     return all;
 }
 
@@ -159,7 +159,7 @@ double minutes_of_arc(const Window& window, const TextExtent& line) {
 
 TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of every size",
           "[screen][faces][law]") {
-    tests::draw_into_memory();
+    draw_into_memory();
     const Vec2 size = GENERATE(from_range(kSizes));
     const Language language = GENERATE(Language::en, Language::tr);
     if (size.x * size.y > 2e6 && language == Language::tr) {
@@ -190,14 +190,14 @@ TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of
 
 TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and inside the window",
           "[screen][faces][law]") {
-    tests::draw_into_memory();
+    draw_into_memory();
     const Vec2 size = GENERATE(from_range(kSizes));
     const Language language = GENERATE(Language::en, Language::tr);
     Window window({.width = static_cast<int>(size.x),
                    .height = static_cast<int>(size.y),
                    .font = {},
                    .language = language});
-    const Words& words = window.words();
+    const ui::Words& words = window.words();
     for (const auto sentence : {words.stop_question, words.mark_question, words.mark_last_question,
                                 words.pause_comes, words.no_pause, words.session_over, words.marked,
                                 words.practice_marked, words.nothing_to_mark}) {
@@ -220,7 +220,7 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
 }
 
 TEST_CASE("on a Turkish screen a trouble is said in Turkish alone", "[screen][faces][law]") {
-    tests::draw_into_memory();
+    draw_into_memory();
     Window window({.width = 1280, .height = 800, .font = {}, .language = Language::tr});
     for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
         const std::string_view english = explanation(static_cast<engine::Trip>(i));
@@ -239,7 +239,7 @@ namespace {
 
 /// Pixels covered when `corners` are drawn in white on black.
 double coverage(const std::vector<Corner>& corners) {
-    palpate::tests::draw_into_memory();
+    draw_into_memory();
     Window window({.width = 640, .height = 480, .font = {}});
     window.clear({0, 0, 0});
     window.fine({0.0, 0.0}, {640.0, 480.0}, [&] { window.triangles(corners, {255, 255, 255}); });

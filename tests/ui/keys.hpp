@@ -20,6 +20,9 @@ inline void draw_into_memory() {
 
 PALPATE_LATE(ui::Sdl, SDL_PushEvent);
 
+/// Of the experimenter's keys.
+inline constexpr auto kChord = static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT);
+
 inline void press(SDL_Keycode key, SDL_Keymod modifiers = KMOD_NONE, bool repeat = false) {
     SDL_Event event{};
     event.type = SDL_KEYDOWN;

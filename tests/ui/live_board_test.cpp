@@ -13,7 +13,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol demo() {
-    return parse_protocol(palpate::tests::short_text("shape_friction_demo", {}), "p.toml");
+    return parse_protocol(short_text("shape_friction_demo", {}), "p.toml");
 }
 
 /// All that another program can read of it, but for when its phase began.
@@ -38,7 +38,7 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
                             .friction = protocol.frictions.at(friction)};
     };
     const auto shown = [&](const Presentation& presentation, double force, bool reveals) {
-        tests::Random hand(7);  // the same
+        Random hand(7);  // the same
         ui::LiveBoard board({.uuid = "u", .participant = "P1", .gives_force = true, .left = 9},
                             protocol, plan, desk);
         TrialView view{.number = 3, .total = 9};

@@ -4,7 +4,6 @@
 #include "ui/subject/font.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 
@@ -39,7 +38,7 @@ private:
 };
 
 /// Keeps the events.
-struct Notes : tests::NoRecorder {
+struct Notes : NoRecorder {
     void event(const Event& event) override {
         all.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
@@ -47,7 +46,7 @@ struct Notes : tests::NoRecorder {
 };
 
 /// A participant who hears whether there is noise when there should be.
-class Listener : public tests::Patient {
+class Listener : public Patient {
 public:
     explicit Listener(FakePlayer& player) : player_(player) {}
     Signal ready(const TrialView& trial) override {
@@ -90,10 +89,10 @@ const StreamKey kKey{.protocol_hash = "h", .participant = "P1", .purpose = {}, .
 
 TEST_CASE("there is noise whenever the force is on, and none at questions, gaps and in trouble",
           "[sound][law]") {
-    const Protocol protocol = tests::short_protocol();
-    const Plan plan = tests::plan_of(protocol);
-    tests::World world{.fault_share = 0.5, .max_faults = 1};
-    tests::FaultyApparatus apparatus(world);
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 0.5, .max_faults = 1};
+    FaultyApparatus apparatus(world);
     FakePlayer player;
     Listener listener(player);
     Notes notes;
@@ -137,7 +136,7 @@ TEST_CASE("noise that was not played while an object was felt is an event", "[so
 TEST_CASE("noise goes on between the intervals of a trial, and stops for its question",
           "[sound][law]") {
     FakePlayer player;
-    tests::Patient patient;
+    Patient patient;
     Notes notes;
     ui::MaskedObserver masked(patient, player, notes, true);
     TrialView trial{.number = 3, .total = 9, .intervals = 2};
@@ -195,7 +194,7 @@ TEST_CASE(
         player->off();
         std::this_thread::sleep_for(std::chrono::milliseconds(600));
     }
-    const std::string bytes = tests::slurp(file);
+    const std::string bytes = slurp(file);
     std::filesystem::remove(file);
     std::vector<float> samples(bytes.size() / sizeof(float));
     std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));
@@ -217,7 +216,7 @@ TEST_CASE(
     "a real session that asks for noise is refused where nobody would hear it, a pilot warned",
     "[sound][law]") {
     ui::RigSpec spec;
-    spec.study.protocol = tests::short_protocol();
+    spec.study.protocol = short_protocol();
     spec.study.protocol.masking = kPink;
     spec.kind = data::RunKind::real;
     spec.device.kind = ui::DeviceChoice::Kind::mouse;  // a person holds it
@@ -246,7 +245,7 @@ TEST_CASE(
 
 TEST_CASE("check warns of instructions that the screen's language lacks, and of noise that is cut",
           "[sound][instructions]") {
-    Protocol protocol = tests::short_protocol();
+    Protocol protocol = short_protocol();
     const auto plan = make_plan(protocol, "hash", {"P1", 1}, 1);
     const auto others = [&] {  // what is said of plan and friction is not looked at here
         std::string all;

@@ -34,7 +34,7 @@ TEST_CASE("no key of the subject ends a session, the experimenter's two steps do
     }
     {
         const Later experimenter([] {
-            press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+            press(SDLK_q, kChord);
             press(SDLK_y);
         });
         CHECK(screen.ready(kTrial) == Signal::abort);

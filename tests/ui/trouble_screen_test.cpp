@@ -24,6 +24,10 @@ struct Rig {
         };
         return all;
     }
+    void begin() {
+        const Later subject([] { press(SDLK_SPACE); });
+        REQUIRE(screen.ready(kTrial) == Signal::go_on);
+    }
     ExplorationStep explore_until_quiet(double elapsed_s) {
         ExplorationStep last;
         for (int i = 0; i < 20; ++i) {
@@ -43,7 +47,7 @@ void happens_to_window(SDL_WindowEventID what) {
     SDL_Event event{};
     event.type = SDL_WINDOWEVENT;
     event.window.event = static_cast<Uint8>(what);
-    palpate::tests::SDL_PushEvent(&event);
+    tests::SDL_PushEvent(&event);
 }
 
 }  // namespace
@@ -72,10 +76,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
           "[screen][fault][law]") {
     EACH(way, 0, 1, 2, 3);
     Rig rig;
-    {
-        const Later subject([] { press(SDLK_SPACE); });
-        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
-    }
+    rig.begin();
     if (way == 0) {  // before the screen changed
         let_go(SDLK_SPACE);
     }
@@ -85,7 +86,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
     } else if (way == 2) {  // another window took the keyboard: nobody can tell any more
         happens_to_window(SDL_WINDOWEVENT_FOCUS_LOST);
     } else if (way == 3) {  // while the stop question is open
-        press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+        press(SDLK_q, kChord);
         let_go(SDLK_SPACE);
     }
     CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
@@ -98,10 +99,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
 TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it",
           "[screen][fault]") {
     Rig rig(false);
-    {
-        const Later subject([] { press(SDLK_SPACE); });
-        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
-    }
+    rig.begin();
     static_cast<void>(rig.screen.explore(kTrial, 0.0));
     let_go(SDLK_SPACE);
     CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
@@ -140,7 +138,7 @@ TEST_CASE("Escape says on every screen, once and at once, that no force is wante
     escape();
     CHECK(rig.explore_until_quiet(0.5).signal == Signal::go_on);
     CHECK(rig.stops == pressed);
-    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_q, kChord);
     escape();  // also instead of an answer to the stop question, which it takes back
     press(SDLK_y);
     CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
@@ -161,14 +159,10 @@ TEST_CASE("Escape says on every screen, once and at once, that no force is wante
 TEST_CASE(
     "a window that loses the keyboard, is hidden, minimised or to be closed has the force off",
     "[screen][fault][law]") {
-    const int what = GENERATE(as<int>{}, SDL_WINDOWEVENT_FOCUS_LOST, SDL_WINDOWEVENT_HIDDEN,
-                              SDL_WINDOWEVENT_MINIMIZED, SDL_WINDOWEVENT_NONE);
-    CAPTURE(what);
+    EACH(what, as<int>{}, SDL_WINDOWEVENT_FOCUS_LOST, SDL_WINDOWEVENT_HIDDEN,
+         SDL_WINDOWEVENT_MINIMIZED, SDL_WINDOWEVENT_NONE);
     Rig rig(false);
-    {
-        const Later subject([] { press(SDLK_SPACE); });
-        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
-    }
+    rig.begin();
     static_cast<void>(rig.screen.explore(kTrial, 0.0));
     CHECK(rig.stops == 0);
     if (what == SDL_WINDOWEVENT_NONE) {
@@ -195,10 +189,10 @@ TEST_CASE("in trouble the screen waits, and goes on with a press after the devic
     press(SDLK_SPACE);
     CHECK(rig.screen.trouble(view) == Signal::go_on);
     view.solved = false;
-    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_q, kChord);
     press(SDLK_y);
     CHECK_FALSE(rig.screen.trouble({.sentence = "another"}).has_value());  // too early
-    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_q, kChord);
     press(SDLK_y);
     CHECK(rig.screen.trouble({.sentence = "another"}) == Signal::abort);
 }
@@ -218,24 +212,31 @@ TEST_CASE("the console says what happened, what to do, and what follows", "[cons
 namespace {
 
 /// Those that say numbers, and how many.
-constexpr std::pair<std::string_view Words::*, int> kNumbers[] = {
-    {&Words::trials, 1},         {&Words::practice_first, 2},  {&Words::trial, 2},
-    {&Words::practice_trial, 2}, {&Words::choose, 1},          {&Words::choose_level, 1},
-    {&Words::next_trial, 2},     {&Words::next_practice, 2},   {&Words::wait, 1},
-    {&Words::marked, 2},         {&Words::practice_marked, 2},
+constexpr std::pair<std::string_view ui::Words::*, int> kNumbers[] = {
+    {&ui::Words::trials, 1},
+    {&ui::Words::practice_first, 2},
+    {&ui::Words::trial, 2},
+    {&ui::Words::practice_trial, 2},
+    {&ui::Words::choose, 1},
+    {&ui::Words::choose_level, 1},
+    {&ui::Words::next_trial, 2},
+    {&ui::Words::next_practice, 2},
+    {&ui::Words::wait, 1},
+    {&ui::Words::marked, 2},
+    {&ui::Words::practice_marked, 2},
 };
 
 /// Every sentence: the words are nothing else.
-auto sentences_of(const Words& words) {
-    return std::bit_cast<std::array<std::string_view, sizeof(Words) / sizeof(std::string_view)>>(
-        words);
+auto sentences_of(const ui::Words& words) {
+    return std::bit_cast<
+        std::array<std::string_view, sizeof(ui::Words) / sizeof(std::string_view)>>(words);
 }
 
 }  // namespace
 
 TEST_CASE("every sentence of every language is there and says its numbers", "[words][law]") {
     const Language language = GENERATE(Language::en, Language::tr);
-    const Words& words = ui::words_in(language);
+    const ui::Words& words = ui::words_in(language);
     for (const std::string_view sentence : sentences_of(words)) {
         const auto* row = std::ranges::find_if(kNumbers, [&](const auto& one) {
             return (words.*one.first).data() == sentence.data();
