@@ -144,7 +144,7 @@ void TrialRunner::feel(Running& trial, const Presentation& felt, const engine::S
     meter_.emplace(protocol_.apparatus.stiffness, scene);
     tripped_s_.reset();
     const double felt_s = result.done_s;  // in the interval before
-    result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
+    result.done_uncertainty_s = 0.0;      // of this interval, and not of the one before
     {
         ForceScope force(ports_.apparatus, scene, trial.planned.position, felt.interval);
         explore(trial);
