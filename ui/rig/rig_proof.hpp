@@ -31,7 +31,8 @@ namespace palpate::ui {
 /// there is none that can be read.
 [[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
 
-/// What is typed after a question, up to Enter. @return none: standard input ended, or the program is to stop
+/// What is typed after a question, up to Enter. @return none: standard input ended, or the program
+/// is to stop
 [[nodiscard]] std::optional<std::string> typed_after(const std::string& question);
 
 /// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.

@@ -19,7 +19,7 @@
 
 namespace palpate::ui {
 
-/// A session on its way, for whatever shows it, answers in it, or stops its force. All outlive that.
+/// A session on its way, for whatever shows it, answers in it or stops its force. All outlive that.
 struct RunningRig {
     const RigSpec& spec;
     protocols::Apparatus& apparatus;

@@ -20,6 +20,8 @@ int last_error() noexcept {
 class ComediCard : public DaqCard {
 public:
     explicit ComediCard(std::string file) : file_(std::move(file)) {}
+    ComediCard(const ComediCard&) = delete;
+    ComediCard& operator=(const ComediCard&) = delete;
     ~ComediCard() override { shut(); }
 
     [[nodiscard]] int open() noexcept override {
