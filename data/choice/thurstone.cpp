@@ -61,7 +61,7 @@ struct Profile {
         Edge high{};
         double loss_at_none = 0.0;
     };
-    Edges edges(double step, const Interval& limits, bool asks_none) {
+    Edges edges(double step, const Interval& limits, bool asks_none = true) {
         Edges found{.low = edge(top.at, 0.0, -step, limits.low),
                     .high = edge(top.at, 0.0, step, limits.high)};
         if (asks_none) {
@@ -121,7 +121,7 @@ struct Profile {
             }
         }
         near = best.at;
-        return loss_of(best);
+        return std::min(loss_of(best), loss_over_hills());
     }
 
     double loss_at(double place) {
@@ -198,7 +198,7 @@ Maximum add_intervals(ThurstoneFit& fit,
         if (layout.shifts(f)) {
             Profile shift{model, spec, top, starts, layout.shift(f), seen};
             const Interval far{-kFarShift * range, kFarShift * range};
-            const auto [down, up, loss] = shift.edges(0.1 * range, far, spec.relative);
+            const auto [down, up, loss] = shift.edges(0.1 * range, far);
             part.shift_loss = loss;
             part.shift_interval = Interval{down.at.value_or(-kInfinite), up.at.value_or(kInfinite)};
         }
