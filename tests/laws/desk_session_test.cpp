@@ -168,7 +168,15 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
 
     desk.go_through({"ready", "explore"});
     desk.at("question", "2");
+    const auto waits_for = [&](const char* trial) {
+        const Finished said = ran({"status", folder.file("d.sqlite")});
+        return said.out.find(std::string("a break before ") + trial) != std::string::npos;
+    };
+    desk.session().wait_for_screen("break");
+    CHECK(eventually([&] { return waits_for("trial 2 of 4"); }));
     desk.mark_at("break");
+    desk.session().wait_for_text("ATTENTION: 3 of the last 3 trials do not count");
+    CHECK(waits_for("trial 1 of 4"));
     desk.pause_at("break");
     desk.at("break", "space");
     desk.end_pause(4);

@@ -265,16 +265,18 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
     protocol.instructions[1].welcome = "Merhaba";
     CHECK(others().empty());
     for (const auto& [text, reason] : {std::pair{"Hissedin: あ", "\"あ\": the font lacks it"},
-                                       std::pair{"חושו", "\"ח\": what runs from right to left"}}) {
+                                       std::pair{"חושו", "\"ח\": what runs from right to left"},
+                                       std::pair{"חושו あ", "\"あ\": the font lacks it"}}) {
         protocol.instructions[1].choose = text;
         CHECK_THAT(others(), Has("[instructions.tr] choose has ", reason));
     }
-    for (std::string* words : {&protocol.title, &protocol.response.question, &protocol.response.low,
-                               &protocol.response.high}) {
+    for (std::string* words :
+         {&protocol.response.question, &protocol.response.low, &protocol.response.high}) {
         const std::string before = std::exchange(*words, "形");
         CHECK_THAT(others(), Has("has \"形\": the font lacks it"));
         *words = before;
     }
+    protocol.title = "形";  // no screen has it
     protocol.instructions[1].choose = "Ποιο; Który? ¿Cuál? Ğüzel — “…”\n№ 5";
     CHECK(others().empty());
     protocol.masking = {.noise = Noise::pink, .level_db = -11.9};

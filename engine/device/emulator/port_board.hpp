@@ -38,7 +38,7 @@ public:
     virtual ~PortBoard() = default;
 
     /// Bytes from the host.
-    void receive(std::span<const std::uint8_t> bytes) {
+    virtual void receive(std::span<const std::uint8_t> bytes) {
         in_.insert(in_.end(), bytes.begin(), bytes.end());
     }
     /// 50 us pass: the plant moves, and one command is taken.
@@ -46,7 +46,7 @@ public:
     /// 50 us pass while the bus is still at the rest of a command.
     virtual void pass() = 0;
     /// Bytes to the host that are due. @return how many were put into `into`
-    [[nodiscard]] std::size_t transmit(std::span<std::uint8_t> into) {
+    [[nodiscard]] virtual std::size_t transmit(std::span<std::uint8_t> into) {
         std::size_t sent = 0;
         for (; sent < into.size() && !out_.empty() && out_.front().poll <= polls_; ++sent) {
             into[sent] = out_.front().byte;
@@ -57,7 +57,7 @@ public:
     /// The command at the front lacks bytes that the board would make up.
     [[nodiscard]] virtual bool command_is_cut() const noexcept { return false; }
     /// Bytes from the host wait to be taken.
-    [[nodiscard]] bool has_input() const noexcept { return !in_.empty(); }
+    [[nodiscard]] virtual bool has_input() const noexcept { return !in_.empty(); }
     /// What the motors get, N m, anticlockwise; of two motors the third is 0.
     [[nodiscard]] virtual Vec3 torque() const noexcept = 0;
     /// From now on no command is answered, or each is again.
@@ -65,7 +65,9 @@ public:
     /// Somebody presses the emergency stop, if there is one, or releases it.
     virtual void press_stop(bool /*pressed*/) noexcept {}
     /// s since it began.
-    [[nodiscard]] double time() const noexcept { return static_cast<double>(polls_) * kPollPeriod; }
+    [[nodiscard]] virtual double time() const noexcept {
+        return static_cast<double>(polls_) * kPollPeriod;
+    }
     /// Power off and on: nothing is set up, motors are off.
     virtual void power_cycle() = 0;
 
