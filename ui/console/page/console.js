@@ -144,7 +144,7 @@
       ['Round trip', is(d.round_trip_us) ? Math.round(d.round_trip_us) + ' µs' : 'not measured'],
       ['Rig check', d.check || none],
       ['Watchdog', d.watchdog || none],
-      ['Dead-man key', !is(d.dead_man) ? 'not asked for' : d.dead_man ? 'held' : 'not held']
+      ['Dead-man key', !is(d.dead_man) ? 'not needed' : d.dead_man ? 'held' : 'not held']
     ]);
   }
 
