@@ -278,11 +278,22 @@ std::vector<SessionRow> sessions_of(Database& database,
     });
 }
 
+bool is_destroyed(Database& database, std::int64_t session) {
+    return database
+        .prepare("SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2",
+                 session, kDestroyed)
+        .step();
+}
+
 std::string add_note(Database& database,
                      std::int64_t session,
                      std::string_view text,
                      std::string_view operator_name) {
     Transaction all(database);
+    refuse_if(is_destroyed(database, session),
+              "{}: what is to be noted is of a session that was destroyed, where nothing may be "
+              "added: name another session, or keep it elsewhere",
+              database.file());
     std::string head =
         add_event(database, session,
                   {.kind = protocols::EventKind::note, .text = std::string(text)}, operator_name);

@@ -86,7 +86,11 @@ struct SessionRow {
                                                   std::optional<std::size_t> number,
                                                   std::string_view study = "");
 
+/// The session's rows were deleted (Destroy::everything).
+[[nodiscard]] bool is_destroyed(Database& database, std::int64_t session);
+
 /// An event "note" of the session. @return the new head of its chain
+/// @throws std::invalid_argument for one that was destroyed
 std::string add_note(Database& database,
                      std::int64_t session,
                      std::string_view text,

@@ -1,6 +1,7 @@
 #include "data/store/repairs.hpp"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -93,9 +94,22 @@ void require_movable(Database& database,
     refuse_running(database, session);
 }
 
+/// Scores that were noted while a session was theirs (?1), whosesoever it is now.
+constexpr std::string_view kTheirScores =
+    "event_kind = 'participant' AND key = 'handedness' AND value IS NOT NULL AND coalesce((SELECT "
+    "moved.value FROM event AS moved WHERE moved.session_id = event.session_id AND moved.key = "
+    "'is really' AND moved.event_id < event.event_id ORDER BY moved.event_id DESC LIMIT 1), "
+    "(SELECT "
+    "coalesce(run_code, participant_code) FROM session JOIN participant USING (participant_id) "
+    "WHERE session.session_id = event.session_id)) = ?1";
+
 /// The events that noted a score lose it; all later links are made again. Of a session of which
 /// everything goes, and that was run as somebody else, nothing that says so is left: it is theirs.
-void destroy_in(Database& database, std::int64_t session, bool everything, const Reason& why) {
+void destroy_in(Database& database,
+                std::int64_t session,
+                std::string_view code,
+                bool everything,
+                const Reason& why) {
     const std::string before = chain_head(database, session);
     if (everything) {
         clear_session(database, session);
@@ -106,9 +120,9 @@ void destroy_in(Database& database, std::int64_t session, bool everything, const
             session, why.text);
     } else {
         database.run(
-            "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
-            "'participant' AND key = 'handedness'",
-            session);
+            fmt::format("UPDATE event SET text = key, value = NULL WHERE session_id = ?2 AND {}",
+                        kTheirScores),
+            code, session);
         chain_anew(database, session);
     }
     add_event(database, session,
@@ -119,14 +133,20 @@ void destroy_in(Database& database, std::int64_t session, bool everything, const
               why.operator_name);
 }
 
-/// All of a participant. @throws std::invalid_argument for nobody, or if one of them runs
-std::vector<SessionRow> idle_sessions(Database& database, std::string_view code) {
+/// Those of a participant, true, and those of others in which a score of theirs stands.
+/// @throws std::invalid_argument for nobody, or if one of them runs
+std::map<std::int64_t, bool> idle_sessions(Database& database, std::string_view code) {
     refuse_if(!find_participant(database, code), "{}: nobody is called {}", database.file(), code);
-    std::vector<SessionRow> sessions = sessions_of(database, code, std::nullopt);
-    for (const SessionRow& session : sessions) {
-        refuse_if(SessionLock::held(database, session.id),
-                  "{}: session {} of {} runs now: end it first", database.file(), session.number,
-                  code);
+    std::map<std::int64_t, bool> sessions;
+    for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
+        sessions[session.id] = true;
+    }
+    for (const Statement& row : database.prepare(
+             fmt::format("SELECT session_id FROM event WHERE {}", kTheirScores), code)) {
+        sessions.emplace(row.integer(0), false);
+    }
+    for (const auto& each : sessions) {
+        refuse_running(database, each.first);
     }
     return sessions;
 }
@@ -216,12 +236,12 @@ void destroy_participant(Database& database,
     {
         Transaction all(database);
         database.execute("PRAGMA defer_foreign_keys = ON");
-        const std::vector<SessionRow> sessions = idle_sessions(database, code);
+        const std::map<std::int64_t, bool> sessions = idle_sessions(database, code);
         const bool everything = what == Destroy::everything;
         destroy_notes(database, code, everything);
-        for (const SessionRow& session : sessions) {
-            if (!is_destroyed(database, session.id)) {
-                destroy_in(database, session.id, everything, why);
+        for (const auto& [session, theirs] : sessions) {
+            if (!is_destroyed(database, session)) {
+                destroy_in(database, session, code, everything && theirs, why);
             }
         }
         all.commit();
@@ -243,13 +263,6 @@ void clear_session(Database& database, std::int64_t session) {
             database.run(fmt::format("DELETE FROM {} WHERE session_id = ?1", table), session);
         }
     }
-}
-
-bool is_destroyed(Database& database, std::int64_t session) {
-    return database
-        .prepare("SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2",
-                 session, kDestroyed)
-        .step();
 }
 
 void empty_free_pages(Database& database) {

@@ -62,9 +62,6 @@ void destroy_participant(Database& database,
 /// deferred foreign keys.
 void clear_session(Database& database, std::int64_t session);
 
-/// Its rows were deleted (Destroy::everything).
-[[nodiscard]] bool is_destroyed(Database& database, std::int64_t session);
-
 /// Writes the file anew without what was deleted.
 void empty_free_pages(Database& database);
 

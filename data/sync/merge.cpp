@@ -12,6 +12,7 @@
 #include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
+#include "data/sync/last_version.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
 
@@ -27,77 +28,11 @@ struct Input {
     Snapshot now;
 };
 
-using Versions = std::vector<SessionVersion>;
-
 /// A session, as it is to be in the file.
 struct SessionMerge {
     const SessionVersion* last = nullptr;
     const SessionVersion* own = nullptr;  ///< as the file has it; none: it does not
 };
-
-std::string called(const SessionVersion& session) {
-    return fmt::format("{}, participant {}, session {} ({})", session.study_name,
-                       session.participant, session.number, session.uuid);
-}
-
-/// Of one a score was destroyed, and the other went on without that.
-MergeConflict half_destroyed(const SessionVersion& one, const SessionVersion& other) {
-    const bool first = one.destructions < other.destructions;
-    return {.what = called(one) + ": details were destroyed in one file, and it went on in another",
-            .first = one.file,
-            .second = other.file,
-            .remedy = fmt::format("palpate participant {} {} --destroy details does it there, too",
-                                  (first ? one : other).file, one.participant)};
-}
-
-/// Those that no other version went on from; of equal ones the first.
-std::vector<const SessionVersion*> latest_of(const Versions& versions) {
-    std::vector<const SessionVersion*> latest;
-    for (const SessionVersion& version : versions) {
-        const auto before = [&](const SessionVersion* one) {
-            return became(version, *one);
-        };
-        if (std::ranges::none_of(latest, before)) {
-            std::erase_if(latest, [&](const auto* one) { return became(*one, version); });
-            latest.push_back(&version);
-        }
-    }
-    return latest;
-}
-
-/// The version that all others became. Where several went on by themselves, that is a conflict,
-/// but for the only one that the preferred version became or is. What was destroyed no preference
-/// brings back.
-const SessionVersion* last_of(const Versions& versions,
-                              const std::string& prefer,
-                              PeopleMerge& people,
-                              MergeReport& report) {
-    std::vector<const SessionVersion*> latest = latest_of(versions);
-    const SessionVersion* last = latest.front();
-    if (latest.size() == 1) {
-        return last;
-    }
-    const auto other = std::ranges::find_if(
-        latest, [&](const SessionVersion* one) { return one->destructions != last->destructions; });
-    if (other != latest.end()) {
-        people.leave_out(last->participant);
-        report.conflicts.push_back(half_destroyed(*last, **other));
-        return nullptr;
-    }
-    const auto preferred = std::ranges::find(versions, prefer, &SessionVersion::file);
-    if (preferred != versions.end()) {
-        const auto kept = std::ranges::stable_partition(
-            latest, [&](const SessionVersion* one) { return became(*preferred, *one); });
-        if (kept.begin() - latest.begin() == 1) {
-            return latest.front();
-        }
-    }
-    report.conflicts.push_back({.what = called(*latest[0]) + ": what was recorded differs",
-                                .first = latest[0]->file,
-                                .second = latest[1]->file,
-                                .remedy = kPreferRemedy});
-    return nullptr;
-}
 
 /// One study, participant and number can only be one session.
 std::set<std::string> doubled(const std::vector<SessionMerge>& all,
@@ -218,7 +153,8 @@ void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeRe
         return;
     }
     const bool of_it = became(*one.own, *one.last);
-    const bool goes_on = of_it && one.own->destructions == one.last->destructions;
+    const bool goes_on = of_it && !one.last->destroyed &&  // what was destroyed is so anew
+                         one.own->destructions == one.last->destructions;
     (goes_on ? extend_session : replace_session)(*one.last, *one.own, out, layout);
     ++(of_it ? report.extended : report.replaced);
 }
@@ -235,9 +171,10 @@ void collect(Database& database,
 }
 
 /// Sessions of whom something was destroyed in a file that did not have them: they are left out
-/// until it is done where they are.
+/// until it is done where they are. Where that is the file itself, nothing of its person changes,
+/// so that it goes on to be one that does not know of it.
 void leave_undestroyed(std::vector<SessionMerge>& order,
-                       const PeopleMerge& people,
+                       PeopleMerge& people,
                        std::vector<MergeConflict>& conflicts) {
     std::set<std::string> gone;  // of whom all was destroyed
     for (const SessionMerge& one : order) {
@@ -251,6 +188,9 @@ void leave_undestroyed(std::vector<SessionMerge>& order,
         const std::string when = people.destroyed_unknown_to(session.file, session.participant);
         if (when.empty() || session.destroyed || (session.destructions > 0 && !all)) {
             return false;
+        }
+        if (one.own == one.last) {
+            people.leave_out(session.participant);
         }
         conflicts.push_back(
             {.what = fmt::format("{}: {} was destroyed on request ({}) in a file without it",
@@ -279,7 +219,6 @@ bool runs(const SessionMerge& one, std::vector<MergeConflict>& conflicts) {
 
 /// What cannot be brought, or is there already.
 void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, MergeReport& report) {
-    leave_undestroyed(order, people, report.conflicts);
     const std::set<std::string> twice = doubled(order, report.conflicts);
     std::erase_if(order, [&](const SessionMerge& one) {
         return twice.contains(one.last->uuid) ||
@@ -308,6 +247,7 @@ bool merge_into(Database& out,
     }
     std::vector<SessionMerge> order = in_order(all, out, prefer, people, report);
     part_simulated(order, people, report.conflicts);
+    leave_undestroyed(order, people, report.conflicts);
     people.settle();
     std::ranges::copy(people.conflicts(), std::back_inserter(report.conflicts));
     std::ranges::copy(people.notices(), std::back_inserter(report.notices));

@@ -26,6 +26,8 @@ struct MergeReport {
 /// became()). Nothing is merged, and a conflict is listed, of
 /// - a session of one uuid that two files tell differently, unless only one of them is what the
 ///   session of `prefer` is or became, of which a notice says what is left out;
+/// - a session that was destroyed as one person's in one file, and is another's in a second, unless
+///   `prefer` names one of them;
 /// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;

@@ -99,7 +99,7 @@ void PeopleMerge::settle() {
         const std::string destroyed = destroyed_unknown_to(said.file, code, said.utc);
         if (key == kSubject || destroyed.empty()) {
             say(code, key, said);
-        } else if (forgot_.insert({said.file, code}).second) {
+        } else if (!in_conflict_.contains(code) && forgot_.insert({said.file, code}).second) {
             notices_.push_back(
                 fmt::format("participant {}: what {} has noted of them is left out: it was "
                             "destroyed ({}), of which that file does not know",

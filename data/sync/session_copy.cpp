@@ -111,12 +111,13 @@ void copy_end(const SessionVersion& from,
                        layout.session_repairs.columns.end());
     Statement row = from.database->first(end.select("session_id"), from.id);
     Statement write = out.prepare(end.update(), session);
-    bind_row(row, write, 2).run();
     const std::string head = chain_head(*from.database, from.id);
+    // Whose it is first: its number there is one that nobody has.
     out.run(
         "UPDATE session SET newest_seal = nullif(?2, ''), participant_id = (SELECT participant_id "
         "FROM participant WHERE participant_code = ?3) WHERE session_id = ?1",
         session, head, from.participant);
+    bind_row(row, write, 2).run();
 }
 
 }  // namespace

@@ -250,8 +250,9 @@ std::vector<SessionVersion> session_versions(Database& database,
 }
 
 bool became(const SessionVersion& earlier, const SessionVersion& later) {
-    if (earlier.destroyed || later.destroyed) {
-        return later.destroyed;
+    if (earlier.destroyed || later.destroyed) {  // of two the order of files decides nothing
+        const bool theirs = earlier.participant == later.participant;
+        return later.destroyed && theirs && (!earlier.destroyed || earlier.events <= later.events);
     }
     if (earlier.destructions != later.destructions) {
         return earlier.destructions < later.destructions && same_but_seals(earlier, later);

@@ -15,7 +15,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/store/chain.hpp"
-#include "data/store/repairs.hpp"
+#include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/stored_progress.hpp"
 #include "data/store/written_rows.hpp"

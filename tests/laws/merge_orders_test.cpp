@@ -49,6 +49,9 @@ constexpr const char* kLeft =
     "SELECT (SELECT count(*) FROM response), (SELECT count(*) FROM event WHERE event_kind = "
     "'note'), (SELECT group_concat(handedness) FROM participant)";
 
+constexpr const char* kScores =
+    "SELECT count(*) FROM event WHERE key = 'handedness' AND value = '73'";
+
 std::string left_of(const std::string& file) {
     const std::string csv = sql_csv(file, kLeft);
     return csv.substr(csv.find('\n') + 1);
@@ -87,6 +90,89 @@ TEST_CASE("what was destroyed in one of several versions is destroyed, in any or
         CHECK(left_of(all) == "0,0,\n");
         CHECK(sql_csv(all, "SELECT count(*) FROM participant_detail") == "count(*)\n0\n");
     });
+}
+
+TEST_CASE("details and then everything, or everything twice, is destroyed wherever copies came",
+          "[merge][repair][law]") {
+    const Study study;
+    ran({"participant", study.whole, "P1", "--destroy", "details", "--yes"});
+    const std::string less = study.noted("less.sqlite", study.whole);
+    ran({"participant", study.whole, "P1", "--destroy", "everything", "--yes"});
+    const std::string early = study.copy("early.sqlite", less);
+    ran({"merge", early, study.whole});
+    CHECK(left_of(early) == "0,0,\n");
+    ran({"verify", early});
+    refused({"note", early, "x", "--participant", "P1"}, "was destroyed");
+    ran({"participant", less, "P1", "--destroy", "everything", "--reason", "again", "--yes"});
+    std::set<std::string> kept;
+    in_all_orders(study, {study.whole, less}, "", [&](const Finished& done, const auto& all) {
+        CHECK(done.code == 0);
+        kept.insert(sql_csv(all, "SELECT withdrawn_reason, newest_seal FROM session"));
+    });
+    CHECK(kept.size() == 1);
+}
+
+TEST_CASE("what was destroyed as one person's is nobody else's to lose", "[merge][repair][law]") {
+    const Study study;
+    const std::string lab = study.copy("lab.sqlite", study.whole);
+    ran({"participant", lab, "P2", "--new"});
+    ran({"participant", lab, "P1", "--is-really", "P2", "--reason", "badge"});
+    const std::string rig = study.copy("rig.sqlite", study.whole);
+    ran({"participant", rig, "P1", "--destroy", "everything", "--yes"});
+    for (const auto& [prefer, left] : {std::pair{std::string(), ""}, {lab, "10"}, {rig, "0"}}) {
+        in_all_orders(study, {lab, rig}, prefer, [&](const Finished& done, const auto& all) {
+            CHECK(done.code == (prefer.empty() ? 1 : 0));
+            CHECK_THAT(done.error, Has(prefer.empty() ? "as P1's, of whom everything was" : ""));
+            CHECK(left_of(all).starts_with(prefer.empty() ? "0," : left));
+        });
+    }
+    // Of whom it is destroyed, no score stays in sessions that are another's now.
+    CHECK(sql_csv(lab, kScores) == "count(*)\n1\n");
+    ran({"participant", lab, "P1", "--destroy", "details", "--yes"});
+    CHECK(sql_csv(lab, kScores) == "count(*)\n0\n");
+    CHECK(left_of(lab).starts_with("10,"));
+    ran({"verify", lab});
+}
+
+TEST_CASE("a file that heard of a destruction is not one where it was done",
+          "[merge][repair][law]") {
+    const Study study;
+    const std::string rig = study.folder.file("rig.sqlite");
+    ran({"participant", rig, "P1", "--new", "--handedness", "20"});
+    ran({"run", "shape_friction_demo", "--participant", "P1", "--session", "2", "--elsewhere",
+         "--db", rig, "--headless"});
+    const std::string before = study.copy("before.sqlite", rig);
+    ran({"participant", study.whole, "P1", "--destroy", "everything", "--yes"});
+    for (int i = 0; i < 2; ++i) {
+        CHECK_THAT(palpate_command({"merge", rig, study.whole}).error,
+                   Has("P1 --destroy everything does it there, too"));
+        CHECK(left_of(rig) == "10,0,20\n");
+        ran({"verify", rig});
+    }
+    in_all_orders(study, {study.whole, rig, before}, "", [](const Finished& done, const auto& all) {
+        CHECK(done.code == 1);
+        CHECK(left_of(all) == "0,0,\n");
+    });
+    ran({"participant", rig, "P1", "--destroy", "everything", "--yes"});
+    ran({"merge", rig, study.whole});
+    ran({"verify", rig});
+}
+
+TEST_CASE("an older copy takes what became of codes, whoever has which number since",
+          "[merge][repair][law]") {
+    const Study study;
+    const std::string older = study.copy("older.sqlite", study.whole);
+    ran({"participant", study.whole, "P2", "--new"});
+    ran({"participant", study.whole, "P1", "--is-really", "P2", "--reason", "typo"});
+    ran({"run", "shape_friction_demo", "--participant", "P1", "--db", study.whole, "--headless"});
+    ran({"merge", older, study.whole});
+    CHECK(sql_csv(older,
+                  "SELECT participant_code, session_number FROM session JOIN participant "
+                  "USING (participant_id) ORDER BY 1") ==
+          "participant_code,session_number\nP1,1\nP2,1\n");
+    ran({"participant", study.whole, "P2", "--is-really", "P1", "--reason", "no typo"});
+    ran({"merge", older, study.whole});
+    ran({"verify", older});
 }
 
 TEST_CASE("an older copy decides nothing between those that went on from it",
