@@ -55,7 +55,7 @@ std::vector<const SessionVersion*> latest_of(const Versions& versions) {
 const SessionVersion* last_of(const Versions& versions,
                               const std::string& prefer,
                               PeopleMerge& people,
-                              MergeReport& report) {
+                              std::vector<MergeConflict>& conflicts) {
     std::vector<const SessionVersion*> latest = latest_of(versions);
     const SessionVersion* last = latest.front();
     if (latest.size() == 1) {
@@ -68,12 +68,12 @@ const SessionVersion* last_of(const Versions& versions,
     const auto other = std::ranges::find_if(
         latest, [&](const SessionVersion* one) { return one->destructions != last->destructions; });
     if (others != latest.end() && preferred == versions.end()) {
-        report.conflicts.push_back(destroyed_as_anothers(*last, **others));
+        conflicts.push_back(destroyed_as_anothers(*last, **others));
         return nullptr;
     }
     if (others == latest.end() && other != latest.end()) {
         people.leave_out(last->participant);
-        report.conflicts.push_back(half_destroyed(*last, **other));
+        conflicts.push_back(half_destroyed(*last, **other));
         return nullptr;
     }
     if (preferred != versions.end()) {
@@ -83,10 +83,10 @@ const SessionVersion* last_of(const Versions& versions,
             return latest.front();
         }
     }
-    report.conflicts.push_back({.what = called(*latest[0]) + ": what was recorded differs",
-                                .first = latest[0]->file,
-                                .second = latest[1]->file,
-                                .remedy = kPreferRemedy});
+    conflicts.push_back({.what = called(*latest[0]) + ": what was recorded differs",
+                         .first = latest[0]->file,
+                         .second = latest[1]->file,
+                         .remedy = kPreferRemedy});
     return nullptr;
 }
 

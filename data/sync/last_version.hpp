@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "data/sync/merge.hpp"
 #include "data/sync/people_merge.hpp"
 #include "data/sync/session_version.hpp"
 
@@ -25,6 +24,6 @@ using Versions = std::vector<SessionVersion>;
 [[nodiscard]] const SessionVersion* last_of(const Versions& versions,
                                             const std::string& prefer,
                                             PeopleMerge& people,
-                                            MergeReport& report);
+                                            std::vector<MergeConflict>& conflicts);
 
 }  // namespace palpate::data

@@ -116,7 +116,7 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
     std::vector<SessionMerge> order;
     for (const auto& [uuid, versions] : all) {
         const SessionVersion& first = versions.front();
-        if (const SessionVersion* last = last_of(versions, prefer, people, report)) {
+        if (const SessionVersion* last = last_of(versions, prefer, people, report.conflicts)) {
             order.push_back({last, first.database == &out ? &first : nullptr});
             for (const SessionVersion& version : versions) {
                 if (version.destructions < last->destructions) {
