@@ -71,6 +71,9 @@ TEST_CASE("ordinary exploration of the shipped studies trips nothing and is hard
     const double speed = GENERATE(0.065, 0.2, 0.4);
     CAPTURE(shipped.name, speed);
     const Protocol protocol = parse_protocol(shipped.text, "shipped");
+    if (protocol.surface) {
+        return;  // its scenes are in space, and this machine is not
+    }
     Random random(7);
     Seen all;
     for (std::size_t object = 0; object < protocol.objects.size(); ++object) {
