@@ -158,24 +158,35 @@ private:
     /// Compares how the session began, if it is there. @return nothing in conflict
     bool same_head(const SessionVersion& session) {
         const auto there = server_.rows(
-            "SELECT session_uuid, began_sha256, file_schema FROM palpate.session WHERE "
-            "session_uuid = $1::uuid OR (protocol_sha256 = $2 AND participant_code = $3 AND "
-            "session_number = $4 AND NOT $5::boolean AND NOT EXISTS (SELECT FROM palpate.event AS "
-            "moved WHERE moved.session_uuid = session.session_uuid AND moved.key = 'is really'))",
-            {session.uuid, session.study, session.run_code, session.run_number,
-             session.participant == session.run_code ? "false" : "true"});
-        for (const auto& row : there) {
-            if (*row[0] != session.uuid) {
-                conflict(session, "the server has it under the uuid " + *row[0]);
-                return false;
-            }
-            if (*row[1] != session.head && same_schema(*row[2])) {
-                conflict(session, "it began otherwise on the server");
-                return false;
-            }
-            begun_.insert(session.uuid);
+            "SELECT began_sha256, file_schema FROM palpate.session WHERE session_uuid = $1::uuid",
+            {session.uuid});
+        if (there.empty()) {
+            return !under_another_uuid(session);
         }
+        if (*there[0][0] != session.head && same_schema(*there[0][1])) {
+            conflict(session, "it began otherwise on the server");
+            return false;
+        }
+        begun_.insert(session.uuid);
         return true;
+    }
+
+    /// Whose a session on the server is, its last event of that says. One that the file has too, as
+    /// another's or of another number, is another one.
+    bool under_another_uuid(const SessionVersion& session) {
+        for (const auto& row : server_.rows(
+                 "SELECT session_uuid FROM palpate.session LEFT JOIN LATERAL (SELECT value, count "
+                 "FROM palpate.event WHERE event.session_uuid = session.session_uuid AND key = $4 "
+                 "ORDER BY event_number DESC LIMIT 1) AS moved ON true WHERE protocol_sha256 = $1 "
+                 "AND coalesce(moved.value, participant_code) = $2 AND coalesce(moved.count, "
+                 "session_number) = $3",
+                 {session.study, session.participant, session.number, std::string(kIsReally)})) {
+            if (!database_.prepare("SELECT 1 FROM session WHERE uuid = ?1", *row[0]).step()) {
+                conflict(session, "the server has it under the uuid " + *row[0]);
+                return true;
+            }
+        }
+        return false;
     }
 
     /// How many rows the server has of a session, by table and `place`: a trial's number, or 0.
