@@ -127,6 +127,24 @@ private:
         flush();
     }
 
+    /// Whether a score is of who refuses, or was destroyed: it is not sent, and named if it is
+    /// there.
+    bool keeps_score(const Statement& note, bool is_there) {
+        const bool here = note.integer(3) != 0;
+        const bool refuses = here || refusals_.hold(note.text(0));
+        const bool destroyed = note.integer(4) != 0;
+        if (is_there && (destroyed || (refuses && !choice_.including_refused))) {
+            report_.conflicts.push_back(
+                fmt::format("participant {}: the server has their handedness, and {}: an "
+                            "administrator deletes that row of participant_note",
+                            note.text(0),
+                            here      ? "they do not consent"
+                            : refuses ? "they do not consent, says the server"
+                                      : "it was destroyed here"));
+        }
+        return refuses || destroyed;
+    }
+
     /// A refusal is sent whatever the server has; it stands there beside the yes before it.
     void push_people() {
         std::map<std::string, std::set<std::string>> there;
@@ -137,11 +155,17 @@ private:
         refusals_.read(server_);
         one_at_a_time();
         Statement note = database_.prepare(
-            "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
-            "WHERE handedness IS NOT NULL AND consent IS NOT 0 UNION ALL SELECT participant_code, "
-            "'consent', CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
+            "SELECT participant_code, 'handedness', CAST(handedness AS TEXT), consent IS 0, "
+            "destroyed_utc IS NOT NULL AND handedness IS NULL FROM participant UNION ALL SELECT "
+            "participant_code, 'consent', CAST(consent AS TEXT), 0, 0 FROM participant");
         while (note.step()) {
             const auto& found = there[note.text(0) + ' ' + note.text(1)];
+            if (note.text(1) == "handedness" && keeps_score(note, !found.empty())) {
+                continue;
+            }
+            if (note.null(2)) {
+                continue;
+            }
             const bool refuses = note.text(1) == "consent" && note.text(2) == "0";
             if (!refuses && !found.empty() && found != std::set{note.text(2)}) {
                 report_.conflicts.push_back(
@@ -150,7 +174,7 @@ private:
                                 note.text(0), note.text(1), note.text(2), *found.begin()));
                 continue;
             }
-            send("participant_note", with_row({}, note));
+            send("participant_note", {note.text(0), note.text(1), note.text(2)});
         }
         flush();
     }
