@@ -69,8 +69,8 @@ private:
                                                 session.number, session.uuid, what));
     }
 
-    /// Nothing of who does not consent goes on but which session it is, whoever noted it, this file
-    /// or one that was pushed before; what is there only an administrator can delete.
+    /// Nothing of who does not consent goes on but which session it is, whichever file noted that
+    /// they do not, this one or one before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
         const bool here = database_
                               .prepare(
@@ -78,7 +78,7 @@ private:
                                   "consent = 0",
                                   session.participant)
                               .step();
-        if (here) {
+        if (here || refusals_.hold(session.participant)) {
             send("participant_note", Refusals::note(session));
             flush();
         }
