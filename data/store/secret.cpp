@@ -13,10 +13,6 @@
 namespace palpate::data {
 namespace {
 
-bool anybody_in(Database& database) {
-    return database.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step();
-}
-
 /// With which nothing was drawn, in the order of their digits. The demo's counts for nothing.
 std::vector<std::string> unused(Database& database) {
     std::vector<std::string> all =
@@ -61,6 +57,10 @@ std::size_t secrets_in(Database& database) {
 }
 
 }  // namespace
+
+bool anybody_in(Database& database) {
+    return database.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step();
+}
 
 bool drawn_with(std::string_view secret, std::string_view code, std::int64_t subject) {
     constexpr int kDraws = 10;

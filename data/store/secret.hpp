@@ -14,6 +14,9 @@ namespace palpate::data {
 /// with it while the file has another.
 inline constexpr std::string_view kDemoSecret = "ffffffffffffffffffffffffffffffff";
 
+/// The file has a session or a participant: something may be drawn with its secret.
+[[nodiscard]] bool anybody_in(Database& database);
+
 /// Secrets beside others with which nothing was drawn, no session's order and nobody's number:
 /// palpate leaves none (merges bring those that were used), so somebody put them there, to know
 /// whose the next orders are.

@@ -278,7 +278,7 @@ void remove_if_empty(const std::string& file) {
     std::error_code unknown;
     try {
         Database made(file, Access::read);
-        if (made.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step()) {
+        if (anybody_in(made)) {
             return;
         }
     } catch (const StoreError&) {
@@ -293,15 +293,14 @@ void remove_if_empty(const std::string& file) {
 
 MergeReport merge_all(const std::string& file,
                       std::deque<Input>& inputs,
-                      const std::string& prefer,
-                      bool is_new) {
+                      const std::string& prefer) {
     Database out(file, Access::write);
     MergeReport report;
     bool destroyed = false;
     {
         Transaction all_or_nothing(out);
         out.execute("PRAGMA defer_foreign_keys = ON");
-        if (is_new) {
+        if (!anybody_in(out)) {
             out.execute("DELETE FROM secret");  // it has those of the others
         }
         destroyed = merge_into(out, inputs, prefer, report);
@@ -323,7 +322,7 @@ MergeReport merge_files(const std::string& file,
     std::error_code unknown;
     const bool is_new = !std::filesystem::exists(file, unknown);
     try {
-        return merge_all(file, inputs, prefer, is_new);
+        return merge_all(file, inputs, prefer);
     } catch (const LockedFile&) {  // another program is at it
         throw;
     } catch (const StoreError&) {

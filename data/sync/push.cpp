@@ -69,8 +69,8 @@ private:
                                                 session.number, session.uuid, what));
     }
 
-    /// Nothing of who does not consent goes on but which session it is, whoever noted it, this file
-    /// or one that was pushed before; what is there only an administrator can delete.
+    /// Nothing of who does not consent goes on but which session it is, whichever file noted that
+    /// they do not, this one or one before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
         const bool here = database_
                               .prepare(
@@ -78,7 +78,7 @@ private:
                                   "consent = 0",
                                   session.participant)
                               .step();
-        if (here) {
+        if (here || refusals_.hold(session.participant)) {
             send("participant_note", Refusals::note(session));
             flush();
         }
@@ -127,6 +127,24 @@ private:
         flush();
     }
 
+    /// Whether a score is of who refuses, or was destroyed: it is not sent, and named if it is
+    /// there.
+    bool keeps_score(const Statement& note, bool is_there) {
+        const bool here = note.integer(3) != 0;
+        const bool refuses = here || refusals_.hold(note.text(0));
+        const bool destroyed = note.integer(4) != 0;
+        if (is_there && (destroyed || (refuses && !choice_.including_refused))) {
+            report_.conflicts.push_back(
+                fmt::format("participant {}: the server has their handedness, and {}: an "
+                            "administrator deletes that row of participant_note",
+                            note.text(0),
+                            here      ? "they do not consent"
+                            : refuses ? "they do not consent, says the server"
+                                      : "it was destroyed here"));
+        }
+        return refuses || destroyed;
+    }
+
     /// A refusal is sent whatever the server has; it stands there beside the yes before it.
     void push_people() {
         std::map<std::string, std::set<std::string>> there;
@@ -137,11 +155,17 @@ private:
         refusals_.read(server_);
         one_at_a_time();
         Statement note = database_.prepare(
-            "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
-            "WHERE handedness IS NOT NULL AND consent IS NOT 0 UNION ALL SELECT participant_code, "
-            "'consent', CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
+            "SELECT participant_code, 'handedness', CAST(handedness AS TEXT), consent IS 0, "
+            "destroyed_utc IS NOT NULL AND handedness IS NULL FROM participant UNION ALL SELECT "
+            "participant_code, 'consent', CAST(consent AS TEXT), 0, 0 FROM participant");
         while (note.step()) {
             const auto& found = there[note.text(0) + ' ' + note.text(1)];
+            if (note.text(1) == "handedness" && keeps_score(note, !found.empty())) {
+                continue;
+            }
+            if (note.null(2)) {
+                continue;
+            }
             const bool refuses = note.text(1) == "consent" && note.text(2) == "0";
             if (!refuses && !found.empty() && found != std::set{note.text(2)}) {
                 report_.conflicts.push_back(
@@ -150,7 +174,7 @@ private:
                                 note.text(0), note.text(1), note.text(2), *found.begin()));
                 continue;
             }
-            send("participant_note", with_row({}, note));
+            send("participant_note", {note.text(0), note.text(1), note.text(2)});
         }
         flush();
     }
@@ -158,24 +182,35 @@ private:
     /// Compares how the session began, if it is there. @return nothing in conflict
     bool same_head(const SessionVersion& session) {
         const auto there = server_.rows(
-            "SELECT session_uuid, began_sha256, file_schema FROM palpate.session WHERE "
-            "session_uuid = $1::uuid OR (protocol_sha256 = $2 AND participant_code = $3 AND "
-            "session_number = $4 AND NOT $5::boolean AND NOT EXISTS (SELECT FROM palpate.event AS "
-            "moved WHERE moved.session_uuid = session.session_uuid AND moved.key = 'is really'))",
-            {session.uuid, session.study, session.run_code, session.run_number,
-             session.participant == session.run_code ? "false" : "true"});
-        for (const auto& row : there) {
-            if (*row[0] != session.uuid) {
-                conflict(session, "the server has it under the uuid " + *row[0]);
-                return false;
-            }
-            if (*row[1] != session.head && same_schema(*row[2])) {
-                conflict(session, "it began otherwise on the server");
-                return false;
-            }
-            begun_.insert(session.uuid);
+            "SELECT began_sha256, file_schema FROM palpate.session WHERE session_uuid = $1::uuid",
+            {session.uuid});
+        if (there.empty()) {
+            return !under_another_uuid(session);
         }
+        if (*there[0][0] != session.head && same_schema(*there[0][1])) {
+            conflict(session, "it began otherwise on the server");
+            return false;
+        }
+        begun_.insert(session.uuid);
         return true;
+    }
+
+    /// Whose a session on the server is, its last event of that says. One that the file has too, as
+    /// another's or of another number, is another one.
+    bool under_another_uuid(const SessionVersion& session) {
+        for (const auto& row : server_.rows(
+                 "SELECT session_uuid FROM palpate.session LEFT JOIN LATERAL (SELECT value, count "
+                 "FROM palpate.event WHERE event.session_uuid = session.session_uuid AND key = $4 "
+                 "ORDER BY event_number DESC LIMIT 1) AS moved ON true WHERE protocol_sha256 = $1 "
+                 "AND coalesce(moved.value, participant_code) = $2 AND coalesce(moved.count, "
+                 "session_number) = $3",
+                 {session.study, session.participant, session.number, std::string(kIsReally)})) {
+            if (!database_.prepare("SELECT 1 FROM session WHERE uuid = ?1", *row[0]).step()) {
+                conflict(session, "the server has it under the uuid " + *row[0]);
+                return true;
+            }
+        }
+        return false;
     }
 
     /// How many rows the server has of a session, by table and `place`: a trial's number, or 0.

@@ -42,7 +42,7 @@ void Refusals::read(Postgres& server) {
 
 bool Refusals::hold(const SessionVersion& session) const {
     const auto theirs = moves_.find(session.uuid);
-    return codes_.contains(session.participant) ||
+    return hold(session.participant) ||
            (theirs != moves_.end() && moves_of(session) <= theirs->second);
 }
 

@@ -17,6 +17,8 @@ class Refusals {
 public:
     /// @throws PostgresError
     void read(Postgres& server);
+    /// Somebody of this code refused.
+    [[nodiscard]] bool hold(const std::string& code) const { return codes_.contains(code); }
     /// The session is of who refused, and no note in its file since then says that it is another's.
     [[nodiscard]] bool hold(const SessionVersion& session) const;
     /// A row of participant_note: the session is theirs, who do not consent.

@@ -285,3 +285,32 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
     ran({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
     CHECK_THAT(ran({"verify", out}).out, Has("3 sessions"));
 }
+
+TEST_CASE("merges at once into a file that is not there bring what one after the other would",
+          "[merge][law]") {
+    const TemporaryFolder folder;
+    Words files;  // each with a secret of its own
+    for (const char who : {'1', '2', '3', '4'}) {
+        files.push_back(folder.file(fmt::format("{}.sqlite", who)));
+        ran(run_words("shape_friction_demo", {'P', who}, files.back(),
+                      {"--headless", "--secret", std::string(32, who)}));
+    }
+    const std::string one = folder.file("one.sqlite");
+    ran(joined({"merge", one}, files));
+    const std::string expected = content_of(one);
+    for (int round = 0; round < 8; ++round) {
+        CAPTURE(round);
+        const std::string together = folder.file(fmt::format("together{}.sqlite", round));
+        std::vector<std::unique_ptr<Process>> merges;
+        for (const std::string& file : files) {
+            merges.push_back(
+                std::make_unique<Process>(Words{palpate_program(), "merge", together, file}));
+        }
+        for (const auto& merge : merges) {
+            ended(merge->wait());
+        }
+        CHECK(content_of(together) == expected);
+        CHECK(Database(together, Access::read).first("SELECT count(*) FROM secret").integer(0) ==
+              4);
+    }
+}

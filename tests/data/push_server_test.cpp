@@ -311,3 +311,66 @@ TEST_CASE("an older copy brings no session that was destroyed", "[push][repair][
               Has("they do not consent, says the server"));
     CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
 }
+
+TEST_CASE("what a file says is of who refused on the server comes by no older copy",
+          "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const auto push = [&](const std::string& file) {
+        return palpate_command({"push", file, "--to", server->url()});
+    };
+    const std::string refused = folder.file("refused.sqlite");
+    ran({"participant", refused, "P09", "--new", "--consent", "no", "--handedness", "40"});
+    CHECK(push(refused).code == 0);
+    const std::string older = a_database(folder);
+    const std::string newer = folder.file("newer.sqlite");
+    std::filesystem::copy_file(older, newer);
+    ran({"participant", newer, "P09", "--new", "--handedness", "80"});
+    ran({"participant", newer, "demo", "--is-really", "P09", "--reason", "badge"});
+    for (const std::string& file : {newer, older, newer}) {
+        CAPTURE(file);
+        check_end(push(file), 1, Has("they do not consent, says the server"));
+        Postgres there(server->url());
+        CHECK(there.rows("SELECT 1 FROM palpate.session").empty());
+        CHECK(
+            there.rows("SELECT 1 FROM palpate.participant_note WHERE key = 'handedness'").empty());
+    }
+}
+
+TEST_CASE(
+    "a score that the server has of who refuses or had it destroyed is named until it is gone",
+    "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    for (const Words& later : {Words{"--consent", "no"}, Words{"--destroy", "everything", "--yes"},
+                               Words{"--destroy", "details", "--yes"}}) {
+        CAPTURE(later);
+        const std::string code = later[1];
+        const std::string file = folder.file(code + ".sqlite");
+        const std::string older = folder.file(code + "-older.sqlite");
+        const bool refuses = code != "details";
+        const auto push = [&](const std::string& from) {
+            return palpate_command({"push", from, "--to", server->url()});
+        };
+        ran({"participant", file, code, "--new", "--consent", "yes", "--handedness", "80"});
+        std::filesystem::copy_file(file, older);
+        CHECK(push(file).code == 0);
+        ran(joined({"participant", file, code}, later));
+        for (int again = 0; again < 2; ++again) {
+            check_end(push(file), 1,
+                      Has("participant " + code + ": the server has their handedness, and " +
+                          (refuses ? "they do not consent" : "it was destroyed")));
+        }
+        if (refuses) {
+            check_end(push(older), 1, Has("their handedness, and they do not consent, says"));
+        }
+        Postgres admin(server->url());
+        admin.run("DELETE FROM palpate.participant_note WHERE key = 'handedness'");
+        CHECK(push(file).code == 0);
+        if (refuses) {
+            static_cast<void>(push(older));
+        }
+        CHECK(
+            admin.rows("SELECT 1 FROM palpate.participant_note WHERE key = 'handedness'").empty());
+    }
+}

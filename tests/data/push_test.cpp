@@ -247,3 +247,52 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
         CHECK_THAT(wrong.error, !Has("to-be-said"));
     }
 }
+
+TEST_CASE("which session is whose the server goes by the uuid, then by what its events say last",
+          "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const auto run_in = [&folder](const char* name) {
+        const std::string file = folder.file(name);
+        ran(run_words("shape_friction_demo", "P01", file,
+                      {"--device", "sim", "--headless", "--speed", "0"}));
+        return file;
+    };
+    const std::string file = run_in("a.sqlite");
+    const std::string older = folder.file("older.sqlite");
+    std::filesystem::copy_file(file, older);
+    const auto move = [&](const Words& words) {
+        ran(joined({"participant", file}, joined(words, {"--reason", "typo"})));
+    };
+    ran({"participant", file, "P02", "--new"});
+    move({"P01", "--is-really", "P02"});
+    run_in("a.sqlite");  // P01 in person
+    const std::string merged = folder.file("merged.sqlite");
+    ran({"merge", merged, file});  // in the order of the codes
+    const std::string rig = run_in("rig.sqlite");
+    const auto sessions = [](const std::string& url) {
+        return *Postgres(url).rows("SELECT count(*) FROM palpate.session").at(0).at(0);
+    };
+    const std::string other = new_database(*server, "other");
+    for (const auto& [url, files] : {std::pair{server->url(), Words{file, older, merged, file}},
+                                     std::pair{other, Words{older, merged, file, older}}}) {
+        for (const std::string& one : files) {
+            CAPTURE(url, one);
+            CHECK(ran({"push", one, "--to", url}).code == 0);
+        }
+        CHECK(sessions(url) == "2");
+        // Somebody else's session of that number.
+        check_end(palpate_command({"push", rig, "--to", url}), 1, Has("it under the uuid"));
+        CHECK(sessions(url) == "2");
+    }
+    // Back again, beside P01's own.
+    move({"P02", "--is-really", "P01"});
+    for (const std::string& url : {server->url(), other}) {
+        ran({"push", file, "--to", url});
+        ran({"push", older, "--to", url});
+        CHECK(*Postgres(url)
+                   .rows("SELECT count(*) FROM palpate.event WHERE key = 'is really'")
+                   .at(0)
+                   .at(0) == "2");
+    }
+}
