@@ -66,7 +66,7 @@ struct Profile {
                     .high = edge(top.at, 0.0, step, limits.high)};
         if (asks_none) {
             const double loss = found.loss_at_none = loss_at_none();
-            const Parameters none = near;
+            const Parameters none = ends.emplace_back(near);
             if (loss < kLoss95 && found.low.at.value_or(0.0) > 0.0) {
                 found.low = edge(none, loss, -step, limits.low);
             } else if (loss < kLoss95 && found.high.at.value_or(0.0) < 0.0) {
@@ -110,16 +110,9 @@ struct Profile {
         }
     }
 
-    /// The loss where the parameter is 0, from all starts and where walks ended: a climb may end on
-    /// a lower hill.
+    /// The loss where the parameter is 0, from all starts and where walks ended.
     double loss_at_none() {
-        Maximum best;
-        for (const std::vector<Parameters>* all : {&starts, &std::as_const(ends)}) {
-            for (Parameters start : *all) {
-                start[parameter] = 0.0;
-                take_higher(best, climb(model, std::move(start), parameter));
-            }
-        }
+        const Maximum best = from_everywhere(0.0, {});
         near = best.at;
         return std::min(loss_of(best), loss_over_hills());
     }
@@ -127,14 +120,22 @@ struct Profile {
     double loss_at(double place) {
         near[parameter] = place;
         Maximum found = climb(model, near, parameter);
-        if (top.value - found.value >= kLoss95) {  // a walk may end on a lower hill
-            for (Parameters start : starts) {
-                start[parameter] = place;
-                take_higher(found, climb(model, std::move(start), parameter));
-            }
+        if (top.value - found.value >= kLoss95) {
+            found = from_everywhere(place, std::move(found));
         }
         near = found.at;
         return loss_of(found);
+    }
+
+    /// A climb may end on a lower hill: the highest of all.
+    Maximum from_everywhere(double place, Maximum best) const {
+        for (const std::vector<Parameters>* all : {&starts, &ends}) {
+            for (Parameters start : *all) {
+                start[parameter] = place;
+                take_higher(best, climb(model, std::move(start), parameter));
+            }
+        }
+        return best;
     }
 
     /// Where the walk is.
