@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,6 +52,14 @@ double moved(StepScale scale, double level, double step) {
     return level;
 }
 
+/// moved() by so much leads from one level to the other.
+double steps_between(StepScale scale, double from, double to) {
+    const double tenfolds = engine::natural_log(to / from) / std::numbers::ln10;
+    return scale == StepScale::linear ? to - from
+         : scale == StepScale::db     ? 20.0 * tenfolds
+                                      : tenfolds;
+}
+
 /// A level is a bound if it is that close to it, relative.
 constexpr double kAtBound = 1e-9;
 
@@ -93,10 +102,11 @@ void Staircase::place() {
     const double size = linear ? std::max(std::fabs(base_), std::fabs(by)) : there;
     level_ =
         std::clamp(size > 0.0 ? twelve_digits(there, size) : there, spec_.lowest, spec_.highest);
-    if (std::fabs(there - level_) >
-        kAtBound * std::fabs(there)) {  // on from a bound that is no step
-        base_ = level_;
-        moved_ = 0.0;
+    for (const double bound : {spec_.lowest, spec_.highest}) {
+        level_ = std::fabs(level_ - bound) <= kAtBound * std::fabs(bound) ? bound : level_;
+    }
+    if (std::fabs(there - level_) > kAtBound * std::fabs(level_)) {  // on from the bound
+        moved_ = steps_between(spec_.scale, base_, level_);
     }
 }
 

@@ -91,7 +91,7 @@ private:
     void place();
 
     StaircaseSpec spec_;
-    double base_ = 0.0;   ///< where it began, or met a bound
+    double base_ = 0.0;   ///< where it began
     double moved_ = 0.0;  ///< steps from there, up less down
     double level_ = 0.0;
     int direction_ = 0;  ///< of the last move; 0: none yet

@@ -305,16 +305,15 @@ public:
     InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
     Signal rest(double /*seconds*/, const TrialView& next) override {
         if (kept.empty()) {
-            const std::size_t before = next.number;
             desk_.mark();
-            steps_back = before - next.number;
+            comes = {next.practice, next.number, next.total};
             kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
             reply = desk_.take_reply();
         }
         return Signal::go_on;
     }
-    std::string kept;            ///< marks in the database before the break was over
-    std::size_t steps_back = 0;  ///< of the trial that comes
+    std::string kept;  ///< marks in the database before the break was over
+    TrialNumber comes{};
     std::optional<MarkReply> reply;
 
 private:
@@ -338,9 +337,8 @@ TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk
                                    .pause = [](double) {},
                                    .desk = &desk}));
     CHECK(observer.kept == "1 \n");
-    CHECK(observer.steps_back == 1);
     REQUIRE(observer.reply);
-    CHECK(observer.reply->next.number == observer.reply->number.number);
+    CHECK((observer.comes == observer.reply->number && observer.comes == observer.reply->next));
     CHECK(observer.reply->found);
     CHECK(lines(database,
                 "SELECT count(*) FROM trial JOIN response USING (trial_id) WHERE invalid_reason IS "

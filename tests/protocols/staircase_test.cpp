@@ -181,6 +181,7 @@ TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps"
                                           : 0.3 * std::pow(10.0, steps * step);
     };
     const int below = scale == StepScale::linear ? 0 : -20;
+    const int above = scale == StepScale::log10 ? 8 : 20;
     std::set<double> met;
     for (const int start : scale == StepScale::linear ? std::vector{0, 7} : std::vector{0}) {
         Staircase staircase({.start = at(start),
@@ -189,7 +190,7 @@ TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps"
                              .steps_down = {step},
                              .scale = scale,
                              .lowest = at(below),
-                             .highest = at(20),
+                             .highest = at(above),
                              .trials = 500});
         while (!staircase.finished()) {
             met.insert(staircase.level());
