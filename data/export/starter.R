@@ -1,4 +1,5 @@
 self <- sub('^--file=', '', grep('^--file=', commandArgs(FALSE), value = TRUE))
+self <- gsub('~+~', ' ', self, fixed = TRUE)  # R's word for a blank in a path
 folder <- if (length(self)) dirname(self[1]) else '.'
 
 # Types of all columns, and the levels of those that have fixed words ('real = ...; pilot = ...').
