@@ -185,7 +185,7 @@ CREATE TABLE presentation (
 CREATE TABLE response (
     -- The answer of a trial.
     trial_id       INTEGER PRIMARY KEY REFERENCES trial,  -- [file] trial.trial_id
-    answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),  -- picture from the left, from 0; interval - 1; 0 no, 1 yes; level
+    answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),  -- picture from the left, from 0; interval - 1; 0 no, 1 yes; level - 1
     chosen_place   INTEGER CHECK (chosen_place >= 0),  -- picture.picture_place of the chosen one; NULL: no pictures
     chosen_object  TEXT,                            -- the object of the chosen picture; NULL: no pictures
     correct        INTEGER CHECK (correct IN (0, 1)),  -- 1: right; NULL: neither right nor wrong, or no picture of what was felt {0 = no; 1 = yes}
