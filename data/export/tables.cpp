@@ -248,6 +248,11 @@ const std::vector<ExportColumn>& tick_columns() {
     return all;
 }
 
+const std::vector<ExportColumn>& code_columns() {
+    static const std::vector<ExportColumn> all = columns_of("subject participant.participant_code");
+    return all;
+}
+
 const ExportTable& export_table(std::string_view name) {
     const auto table = std::ranges::find(export_tables(), name, &ExportTable::name);
     refuse_if<std::logic_error>(table == export_tables().end(), "there is no table {}", name);
