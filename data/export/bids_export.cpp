@@ -292,12 +292,24 @@ void write_beh(Database& database,
 /// The Brain Imaging Data Structure a dataset is written to.
 constexpr const char* kBidsVersion = "1.9.0";
 
-std::string readme(const Selection& selection, const ExportOptions& options) {
+/// @param ticks  some are there
+std::string readme(const Selection& selection, const ExportOptions& options, bool ticks) {
+    std::string of_ticks;
+    if (ticks) {
+        of_ticks =
+            ", motion (the handle as POS; contact, rendered force, encoder\n"
+            "counts and flags as MISC) and stim (the commanded force). run is the column "
+            "trial_number of beh.\n"
+            "motion.tsv has no head line, by the standard: channels.tsv names its columns.\n"
+            "A lost tick is a row of n/a: row k is always tick k";
+    } else if (options.traces) {
+        of_ticks = ".\nThe file has no servo ticks: there is no motion and no stim";
+    }
     return fmt::format(
-        "# Felt shape: choices{}\n\n"
-        "People felt an object they could not see through a two-degree-of-freedom pantograph, "
-        "then\n"
-        "chose what it was. Written by palpate as BIDS {}: {}, kind {}.\n\n"
+        "# Felt shape: answers{}\n\n"
+        "People felt objects that they could not see, then answered what they felt. On what device "
+        "is\n"
+        "the column trial_device of beh. Written by palpate as BIDS {}: {}, kind {}.\n\n"
         "What BIDS covers: participants, sessions, beh (one row an attempt at a trial, the "
         "columns\n"
         "described in the .json beside it){}.\n"
@@ -306,15 +318,8 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         "Authors, licence and ethics approval are not known to palpate: add them to\n"
         "dataset_description.json before you share this.\n"
         "Units are SI. {}\n",
-        options.traces ? ", motion and forces" : "", kBidsVersion,
-        counted(selection.sessions().size(), "session"), options.kind,
-        options.traces
-            ? ", motion (the handle as POS; contact, rendered force, encoder\n"
-              "counts and flags as MISC) and stim (the commanded force). run is the "
-              "column trial_number of beh.\n"
-              "motion.tsv has no head line, by the standard: channels.tsv names its columns.\n"
-              "A lost tick is a row of n/a: row k is always tick k"
-            : "",
+        ticks ? ", motion and forces" : "", kBidsVersion,
+        counted(selection.sessions().size(), "session"), options.kind, of_ticks,
         options.details ? "With details of people: hand it on to nobody who may not know them."
                         : "De-identified: codes, operators, wall clock and notes are left out.");
 }
@@ -328,8 +333,8 @@ void export_bids(const Exporting& to) {
                 {"BIDSVersion", kBidsVersion},
                 {"DatasetType", "raw"},
                 {"GeneratedBy", Json::array({{{"Name", "palpate"}}})}});
-    write_whole(folder / "README", readme(selection, options));
     write_participants(database, options.details, folder);
+    bool ticks = false;
     for (const ChosenSession& session : selection.sessions()) {
         const fs::path subject = folder / session.subject;
         const fs::path place = subject / fmt::format("ses-{:02}", session.number);
@@ -340,9 +345,11 @@ void export_bids(const Exporting& to) {
         if (options.traces) {
             each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
                 write_bids_run(database, session, trial, number, place);
+                ticks = true;
             });
         }
     }
+    write_whole(folder / "README", readme(selection, options, ticks));
     if (options.keep_codes) {
         fs::create_directory(folder / "sourcedata");
         write_codes(database, folder / "sourcedata" / "codes.csv");

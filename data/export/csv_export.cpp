@@ -70,6 +70,12 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
             row({"ticks", column.name, column.type, column.unit, column.meaning, column.levels});
         }
     }
+    if (options.keep_codes) {
+        row({"codes", "", "", "", "which of the lab's codes each subject is", ""});
+        for (const ExportColumn& column : code_columns()) {
+            row({"codes", column.name, column.type, column.unit, column.meaning, column.levels});
+        }
+    }
     file.close();
 }
 
@@ -221,7 +227,7 @@ void write_ticks(Database& database,
 
 void write_codes(Database& database, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::csv);
-    file.row("subject", "participant_code");
+    file.head(code_columns());
     write_rows(database.prepare("SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN "
                                 "session USING (session_id) JOIN participant USING "
                                 "(participant_id) ORDER BY chosen.subject"),

@@ -38,7 +38,11 @@ constexpr std::string_view kPsychopyText =
     "order given.\n"
     "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
     "trials.thisRepN says how often\nthat place was tried before. For analysis take "
-    "phase main and counts 1. Times are in s.\n";
+    "phase main and counts 1. Times are in s.\n"
+    "key_resp.keys is the object of the chosen picture, else a number: interval - 1; 0 no, 1 yes; "
+    "a rating's level - 1.\nOf two intervals planned_object and curvature_per_m are the "
+    "standard's, friction is the comparison's by its name in\nthe protocol; stimulus is what a "
+    "rule chose instead. kind: a real, pilot or simulated session.\n";
 
 }  // namespace
 
@@ -99,14 +103,14 @@ void export_psychopy(const Exporting& to) {
         file.row("trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase", "planned_object",
                  "friction", "curvature_per_m", "run_name", "stimulus", "key_resp.keys",
                  "key_resp.corr", "key_resp.rt", "confidence", "counts", "participant", "session",
-                 "expName");
+                 "kind", "expName");
         row.bind(1, session.id);
         for (std::int64_t n = 0; row.step(); ++n) {
             file.add(n);
             for (int column = 0; column < row.columns(); ++column) {
                 file.add(row.value(column));
             }
-            file.row(session.subject, session.number, session.study);
+            file.row(session.subject, session.number, session.kind, session.study);
         }
         row.reset();
         file.close();

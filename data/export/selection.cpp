@@ -109,15 +109,16 @@ void Selection::name_subjects() {
     }
     Statement session = database_.prepare(
         "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
-        "study_title, participant.subject FROM chosen JOIN session USING (session_id) JOIN study "
-        "USING (study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
-        "protocol_sha256, chosen.session_number");
+        "study_title, participant.subject, session_kind FROM chosen JOIN session USING "
+        "(session_id) JOIN study USING (study_id) JOIN participant USING (participant_id) ORDER BY "
+        "participant.subject, protocol_sha256, chosen.session_number");
     sessions_ = session.all([&labels](const Statement& one) {
         return ChosenSession{.id = one.integer(0),
                              .subject = fmt::format("sub-{:010}", one.integer(6)),
                              .label = labels.at(one.integer(1)),
                              .study = one.text(4),
                              .title = one.text(5),
+                             .kind = one.text(7),
                              .number = one.integer(2),
                              .rate_hz = one.real(3)};
     });

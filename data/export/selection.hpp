@@ -25,6 +25,7 @@ struct ChosenSession {
     std::string label;    ///< of the study: letters and digits, no two studies the same
     std::string study;    ///< its name
     std::string title;
+    std::string kind;         ///< real, pilot or simulated
     std::int64_t number = 0;  ///< of the participant's chosen sessions of the study
     double rate_hz = 0.0;
 };
@@ -94,7 +95,7 @@ void export_bids(const Exporting& to);
 void export_psych_ds(const Exporting& to);
 
 // ------------------------------------------------ answers as other programs of the field take them
-// With a README.txt that says how. Kinds of sessions stay apart.
+// With a README.txt that says how. Kinds of sessions stay apart, each by its word in a column.
 
 /// quickpsy.csv for the package of R (D. Linares, J. Lopez-Moliner, R Journal 8:122, 2016):
 /// participant, study, kind, condition, x, k, n; k of n answers at x were yes, or the comparison.

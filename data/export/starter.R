@@ -1,4 +1,5 @@
 self <- sub('^--file=', '', grep('^--file=', commandArgs(FALSE), value = TRUE))
+self <- gsub('~+~', ' ', self, fixed = TRUE)  # R's word for a blank in a path
 folder <- if (length(self)) dirname(self[1]) else '.'
 
 # Types of all columns, and the levels of those that have fixed words ('real = ...; pilot = ...').
@@ -34,7 +35,7 @@ for (study in unique(main$study_label)) {
         cat(study, ', ', kind, ': no answer is right or wrong here: no share of right answers\n', sep = '')
         judged <- subset(main, study_label == study & is.na(comparison_interval) & is.na(chosen_object))
         if (nrow(judged) > 0) {  # yes is 1, no 0; a rating's first level is 0
-            cat('mean answer_code\n')
+            cat('mean answer_code (of ratings: level - 1)\n')
             print(round(with(droplevels(judged), tapply(answer_code, list(subject, paste(planned_object, friction)), mean)), 3))
         }
         next

@@ -43,7 +43,7 @@ for study, own in main.groupby("study_label", observed=True, sort=False):
         print(f"{study}, {kind}: no answer is right or wrong here: no share of right answers")
         judged = main[(main.study_label == study) & main.comparison_interval.isna() & main.chosen_object.isna()]
         if not judged.empty:  # yes is 1, no 0; a rating's first level is 0
-            print("mean answer_code")
+            print("mean answer_code (of ratings: level - 1)")
             print(judged.pivot_table(values="answer_code", index="subject", columns=["planned_object", "friction"],
                                    aggfunc="mean", observed=True).round(3))
         continue

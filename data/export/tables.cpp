@@ -23,6 +23,14 @@ std::string kind_of(const std::string& device) {
         device);
 }
 
+/// Of the interval whose stimulus a rule chose, as it was felt; NULL without a rule.
+std::string of_comparison(const char* column) {
+    return fmt::format(
+        "(SELECT presentation.{} FROM presentation WHERE presentation.trial_id = trial.trial_id "
+        "AND presentation.interval = adaptive_plan.comparison_interval)",
+        column);
+}
+
 /// Columns that the file does not have as they are: keys of an export, and what is said of a column
 /// so that it tells nobody who somebody is. All others have name, type, unit, meaning and readers
 /// from the catalogue.
@@ -55,8 +63,14 @@ const std::vector<ExportColumn> kComputed{
     {"counts", "integer", "1", "1: answered, and the answer counts",
      "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
     {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
-     "(SELECT stimulus FROM presentation WHERE presentation.trial_id = trial.trial_id AND"
-     " presentation.interval = adaptive_plan.comparison_interval)"},
+     of_comparison("stimulus")},
+    {"comparison_curvature_per_m", "real", "1/m",
+     "curvature of the interval with the rule's stimulus, as felt; empty: no rule, or a free form",
+     of_comparison("curvature_per_m")},
+    {"comparison_mu_s", "real", "1", "mu_s of the interval with the rule's stimulus, as felt",
+     of_comparison("mu_s")},
+    {"comparison_mu_d", "real", "1", "mu_d of the interval with the rule's stimulus, as felt",
+     of_comparison("mu_d")},
     {"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""},
     {"since_first_ns", "integer", "ns",
      "since the first attempt of the session, or after a pause of more than an hour",
@@ -181,8 +195,8 @@ constexpr const char* kTrialColumns =
     "plan.planned_object plan.curvature_per_m plan.friction plan.mu_s plan.mu_d trials_since_break "
     "trial.outcome counts exclusion response.answer_code response.chosen_object response.correct "
     "response.confidence response.reaction_s response.reaction_uncertainty_s "
-    "adaptive_plan.run_name adaptive_plan.comparison_interval stimulus since_first_ns trial_device "
-    "trial.*";
+    "adaptive_plan.run_name adaptive_plan.comparison_interval stimulus comparison_curvature_per_m "
+    "comparison_mu_s comparison_mu_d since_first_ns trial_device trial.*";
 
 std::vector<ExportTable> tables_of_trials() {
     const std::string trial = kSession + ", trial.trial_id";
@@ -231,6 +245,11 @@ const std::vector<ExportColumn>& tick_columns() {
         }
         return made;
     }();
+    return all;
+}
+
+const std::vector<ExportColumn>& code_columns() {
+    static const std::vector<ExportColumn> all = columns_of("subject participant.participant_code");
     return all;
 }
 

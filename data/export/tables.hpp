@@ -41,6 +41,8 @@ inline constexpr const char* kHandednessSql =
 
 /// Of a row of ticks: whose they are, then the trace's columns. They have no sql.
 [[nodiscard]] const std::vector<ExportColumn>& tick_columns();
+/// Of codes.csv, which no select_sql() writes.
+[[nodiscard]] const std::vector<ExportColumn>& code_columns();
 
 /// The words that may stand in a column, and what each means; none where any text or number may.
 [[nodiscard]] std::vector<std::pair<std::string_view, std::string_view>> levels_of(

@@ -1,4 +1,5 @@
 self <- sub('^--file=', '', grep('^--file=', commandArgs(FALSE), value = TRUE))
+self <- gsub('~+~', ' ', self, fixed = TRUE)  # R's word for a blank in a path
 words <- c('subject', 'shape', 'friction', 'response', 'excluded')
 all <- read.csv(file.path(if (length(self)) dirname(self[1]) else '.', data), na.strings = '', encoding = 'UTF-8',
                 colClasses = setNames(rep('character', 5), words))

@@ -197,17 +197,26 @@ GROUP BY person, friction ORDER BY person, friction
 
 -- A trial is of the tenth in which its middle lies.
 
--- name: learning
+-- name: tenths
 WITH numbered AS (
-    SELECT person, reaction_s, {hit} AS hit,
-           (2 * row_number() OVER (PARTITION BY person ORDER BY session_number, trial_number) - 1) * 5
+    SELECT *, (2 * row_number() OVER (PARTITION BY person ORDER BY session_number, trial_number) - 1) * 5
                / count(*) OVER (PARTITION BY person) + 1 AS tenth
     FROM main WHERE counts AND NOT left_out),
+
+-- name: learning
 own AS (
-    SELECT person, tenth, avg(hit) AS share, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt
+    SELECT person, tenth, avg({hit}) AS share, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt
     FROM numbered GROUP BY person, tenth)
 SELECT tenth, count(*) AS people, avg(share) AS share, people_share_low(share) AS share_low,
        people_share_high(share) AS share_high, exp(avg(log_rt)) AS response_s,
+       exp(people_mean_low(log_rt)) AS response_low, exp(people_mean_high(log_rt)) AS response_high
+FROM own GROUP BY tenth ORDER BY tenth
+
+-- name: learning_times
+own AS (
+    SELECT person, tenth, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt
+    FROM numbered GROUP BY person, tenth)
+SELECT tenth, count(*) AS people, exp(avg(log_rt)) AS response_s,
        exp(people_mean_low(log_rt)) AS response_low, exp(people_mean_high(log_rt)) AS response_high
 FROM own GROUP BY tenth ORDER BY tenth
 

@@ -149,10 +149,14 @@ void add_confidence(PageWriter& page, const Study& study, const PageNumbers& num
     add_calibration(page, study, numbers);
 }
 
+/// Where an answer is neither right nor a yes to what was felt, as of ratings, two intervals and
+/// rules, no share of answers means anything: times alone.
 void add_learning(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    PageFigure figure{.id = "learning",
-                      .title = "From the first trial to the last",
-                      .data = study.ask(page_query("learning"))};
+    const char* query = numbers.stats ? "learning" : "learning_times";
+    PageFigure figure{
+        .id = "learning",
+        .title = "From the first trial to the last",
+        .data = study.ask(fmt::format("{}\n{}", page_query("tenths"), page_query(query)))};
     if (numbers.stats) {
         const Measure* share = find_measure(numbers.stats->applied, "share");
         Panel answers{.title = share == nullptr ? "" : share->title,

@@ -98,11 +98,11 @@ CREATE TABLE plan (
                         -- among the main ones, an object that no picture shows}
     planned_object  TEXT NOT NULL,                  -- its name in the protocol; of two intervals the standard's
     friction        TEXT NOT NULL,                  -- the condition's name in the protocol; of two intervals the comparison's
-    mu_s            REAL NOT NULL CHECK (mu_s >= mu_d),  -- static coefficient of friction
-    mu_d            REAL NOT NULL CHECK (mu_d >= 0),  -- dynamic coefficient of friction
+    mu_s            REAL NOT NULL CHECK (mu_s >= mu_d),  -- static coefficient of friction that friction has in the protocol, whatever a rule chose
+    mu_d            REAL NOT NULL CHECK (mu_d >= 0),  -- dynamic coefficient of friction that friction has in the protocol, whatever a rule chose
     break_before    INTEGER NOT NULL CHECK (break_before IN (0, 1)),  -- 1: a break comes before it {0 = no; 1 = yes}
     block           INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
-    curvature_per_m REAL,                           -- > 0 convex, 0 straight, < 0 concave; NULL: a free form
+    curvature_per_m REAL,                           -- of planned_object, a surface's along x: > 0 convex, 0 straight, < 0 concave; NULL: a free form
     PRIMARY KEY (session_id, plan_position)
 ) STRICT;
 
@@ -185,7 +185,7 @@ CREATE TABLE presentation (
 CREATE TABLE response (
     -- The answer of a trial.
     trial_id       INTEGER PRIMARY KEY REFERENCES trial,  -- [file] trial.trial_id
-    answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),  -- picture from the left, from 0; interval - 1; 0 no, 1 yes; level
+    answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),  -- picture from the left, from 0; interval - 1; 0 no, 1 yes; level - 1
     chosen_place   INTEGER CHECK (chosen_place >= 0),  -- picture.picture_place of the chosen one; NULL: no pictures
     chosen_object  TEXT,                            -- the object of the chosen picture; NULL: no pictures
     correct        INTEGER CHECK (correct IN (0, 1)),  -- 1: right; NULL: neither right nor wrong, or no picture of what was felt {0 = no; 1 = yes}

@@ -13,6 +13,7 @@ namespace palpate::protocols {
 namespace {
 
 constexpr Range kShare{.min = 0.0, .max = 1.0};
+constexpr Range kBelowOne{.min = 0.0, .max = 1.0, .below = true};
 constexpr Range kCount{.min = 1.0, .max = 100'000.0};
 
 template <auto Member>
@@ -88,13 +89,13 @@ constexpr Key kQuest[]{
      .meaning = "prior mean of the threshold, log10 units"},
     {.name = "sd", .slot = at<&QuestSpec::sd>, .need = required, .range = kPositive,
      .meaning = "prior standard deviation of the threshold, log10 units"},
-    {.name = "p_threshold", .slot = at<&QuestSpec::p_threshold>, .range = kShare,
-     .meaning = "chance of a 1 at what is called the threshold"},
+    {.name = "p_threshold", .slot = at<&QuestSpec::p_threshold>, .range = {.min = 0.0, .max = 1.0, .above = true, .below = true},
+     .meaning = "chance of a 1 at what is called the threshold, between gamma and 1 - delta (1 - gamma)"},
     {.name = "beta", .slot = at<&QuestSpec::beta>, .range = kPositive,
      .meaning = "slope of the Weibull function"},
-    {.name = "delta", .slot = at<&QuestSpec::delta>, .range = kShare,
+    {.name = "delta", .slot = at<&QuestSpec::delta>, .range = kBelowOne,
      .meaning = "share of blind responses"},
-    {.name = "gamma", .slot = at<&QuestSpec::gamma>, .range = kShare,
+    {.name = "gamma", .slot = at<&QuestSpec::gamma>, .range = kBelowOne,
      .meaning = "chance of a 1 far below threshold"},
     {.name = "grain", .slot = at<&QuestSpec::grain>, .range = kPositive,
      .meaning = "step of the internal table"},

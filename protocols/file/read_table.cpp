@@ -126,7 +126,10 @@ void TableReader::check_format(std::int64_t wanted) {
         entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->value.data);
     if (entry == nullptr) {
         add({}, fmt::format("the file does not say its format: begin it with format = {}", wanted));
-    } else if (version == nullptr || *version != wanted) {
+    } else if (version == nullptr) {
+        add(entry->value.at, fmt::format("format is {} ({}): give the integer, format = {}",
+                                         shown(entry->value), kind_of(entry->value), wanted));
+    } else if (*version != wanted) {
         add(entry->value.at, fmt::format("format is {}: this program reads format = {}",
                                          shown(entry->value), wanted));
     }

@@ -28,10 +28,12 @@ struct Range {
     double min = -std::numeric_limits<double>::infinity();
     double max = std::numeric_limits<double>::infinity();
     bool above = false;  ///< `min` itself is refused
+    bool below = false;  ///< `max` itself is refused
 
     /// Whether a key may have this value; NaN and infinities never.
     [[nodiscard]] bool has(double value) const noexcept {
-        return std::isfinite(value) && value <= max && (above ? value > min : value >= min);
+        return std::isfinite(value) && (below ? value < max : value <= max) &&
+               (above ? value > min : value >= min);
     }
 };
 

@@ -268,8 +268,11 @@ std::string range_of(const Range& range) {
         return range.above ? fmt::format("above {}", range.min)
                            : fmt::format("{} or more", range.min);
     }
-    return range.above ? fmt::format("above {}, at most {}", range.min, range.max)
-                       : fmt::format("{} to {}", range.min, range.max);
+    if (!range.above && !range.below) {
+        return fmt::format("{} to {}", range.min, range.max);
+    }
+    return fmt::format("{}, {} {}", range_of(Range{.min = range.min, .above = range.above}),
+                       range.below ? "below" : "at most", range.max);
 }
 
 std::string range_of(const Key& key) {

@@ -20,7 +20,11 @@ std::string number(const Range& range, std::string_view type = "number") {
         text +=
             fmt::format(R"(, "{}": {})", range.above ? "exclusiveMinimum" : "minimum", range.min);
     }
-    return std::isfinite(range.max) ? text + fmt::format(R"(, "maximum": {})", range.max) : text;
+    if (std::isfinite(range.max)) {
+        text +=
+            fmt::format(R"(, "{}": {})", range.below ? "exclusiveMaximum" : "maximum", range.max);
+    }
+    return text;
 }
 
 std::string list_of(std::string_view item, std::size_t least = 0, std::size_t max = 0) {

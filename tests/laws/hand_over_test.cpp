@@ -94,7 +94,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
     ran(run_words(folder.file("asked.toml"), "Cem", file, {"--device", "sim"}));
-    const std::string out = folder.file("shared");
+    const std::string out = folder.file("shared with you");  // R writes its blanks as ~+~
     ran({"export", file, "--kind", "all", "-o", out});
     ran({"analysis", "init", out});
     for (const char* run : {"Rscript analysis.R", "/usr/bin/python3 analysis.py"}) {
@@ -106,7 +106,8 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
             WARN("not installed: skipped");
             continue;
         }
-        const Finished ran = ended(Process({"sh", "-c", "cd '" + out + "' && " + run}).wait());
+        const Finished ran = ended(
+            Process({"sh", "-c", replaced(run, "analysis", "'" + out + "'/analysis")}).wait());
         CHECK_THAT(ran.out,
                    Has("fourtrials, simulated:\n", "asked, simulated: no answer is right or wrong",
                        "mean answer_code", "concave") &&

@@ -294,6 +294,8 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     CHECK_THAT(page, Has(">mu</text>") && !Has(">stimulus</text>") &&
                          Has("or the board an emulator: nobody felt anything"));
     check_sources(page, file);
+    CHECK_THAT(sources_of(page).at("simulated-learning.csv").csv,
+               Has("response_s") && !Has("share"));
     const Finished cells = ran({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
     CHECK(check_results(page, {{"fit", file, "--kind", "simulated", "--bootstrap", "60"}}) > 10);
     const std::string results = results_of(page);

@@ -125,6 +125,7 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
                          "confidence was given on four levels"));
     // Nothing is right or wrong here: confidence has its means, and no calibration.
     CHECK_FALSE(sources.contains("simulated-confidence.csv"));
+    CHECK_THAT(sources.at("simulated-learning.csv").csv, Has("response_s") && !Has("share"));
     const auto of_person = [&](const char* name, const std::string& what) {
         return asked(
             fmt::format("SELECT round({}, 9) FROM ({}) WHERE friction = 'on' AND person = 3", what,
