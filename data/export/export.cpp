@@ -14,9 +14,11 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
 #include "data/export/tables.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/stored_progress.hpp"
 
 namespace palpate::data {
@@ -181,15 +183,32 @@ constexpr std::array<void (*)(const Exporting&), kExportWords.size()> kWriters{
     export_csv,        export_bids,     export_psych_ds,  export_parquet,
     export_procedures, export_quickpsy, export_psignifit, export_psychopy};
 
+/// The sessions of which a format has something to write, by session_id; nothing: all.
+std::string held_by(ExportFormat format) {
+    switch (format) {
+        case ExportFormat::procedure:
+            return "SELECT session_id FROM adaptive_plan";
+        case ExportFormat::quickpsy:
+        case ExportFormat::psignifit:
+            return fmt::format("SELECT session_id FROM ({})", kGradedAnswers);
+        default:
+            return {};
+    }
+}
+
 /// At the end of what a format says of itself.
 void add_accounts(const std::filesystem::path& readme,
                   const std::vector<LeftOut>& accounts,
+                  const std::vector<NotTaken>& not_taken,
                   bool details) {
     std::string text = file_text(readme) +
                        "\nNothing is here of who does not consent and of withdrawn sessions; whom "
                        "a rule of the protocol leaves out is.\n\n";
     for (const LeftOut& one : accounts) {
         text += left_out_text(details ? one : without_words(one));
+    }
+    for (const NotTaken& one : not_taken) {
+        text += not_taken_text(one);
     }
     write_whole(readme, text);
 }
@@ -203,6 +222,11 @@ ExportFormat parse_export_format(std::string_view word) {
     return static_cast<ExportFormat>(found - kExportWords.begin());
 }
 
+std::string not_taken_text(const NotTaken& one) {
+    return fmt::format("  Nothing is here of {} of study {}: this format takes no such answers\n",
+                       counted(one.sessions, one.kind + " session"), one.study);
+}
+
 ExportSummary export_file(const std::string& file,
                           ExportFormat format,
                           const ExportOptions& options,
@@ -214,16 +238,23 @@ ExportSummary export_file(const std::string& file,
               kExportWords.at(static_cast<std::size_t>(format)));
     Database database(file, Access::read);
     NewFolder built(folder);
-    const Selection selection(database, options);
+    Selection selection(database, options);
+    const std::string held = held_by(format);
+    std::vector<NotTaken> not_taken = held.empty() ? std::vector<NotTaken>{} : selection.keep(held);
     kWriters.at(static_cast<std::size_t>(format))({database, selection, options, built.path()});
     analyse(database, Versions::apart);  // from here on without whom analyses do not see
     std::vector<LeftOut> left_out = left_out_everywhere(database, options.kind, false);
+    std::erase_if(left_out, [&](const LeftOut& one) {
+        return std::ranges::any_of(not_taken, [&](const NotTaken& none) {
+            return none.study == one.study && none.kind == one.kind;
+        });
+    });
     add_accounts(built.path() / (format == ExportFormat::bids       ? "README"
                                  : format == ExportFormat::psych_ds ? "README.md"
                                                                     : "README.txt"),
-                 left_out, options.details);
+                 left_out, not_taken, options.details);
     built.keep(options.details || options.keep_codes);
-    return {selection.sessions().size(), std::move(left_out)};
+    return {selection.sessions().size(), std::move(left_out), std::move(not_taken)};
 }
 
 }  // namespace palpate::data

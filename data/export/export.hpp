@@ -34,9 +34,13 @@ inline constexpr std::array<std::string_view, 8> kExportWords{
 
 /// What was written, and who was left out.
 struct ExportSummary {
-    std::size_t sessions = 0;
-    std::vector<LeftOut> left_out{};  ///< of each study and kind, by subject
+    std::size_t sessions = 0;           ///< in the folder
+    std::vector<LeftOut> left_out{};    ///< of each study and kind, by subject
+    std::vector<NotTaken> not_taken{};  ///< studies of which the format holds nothing
 };
+
+/// "Nothing is here of 3 pilot sessions of study x: ..."
+[[nodiscard]] std::string not_taken_text(const NotTaken& one);
 
 /// Writes a palpate database in a form that others can read, into a new folder: whole or not at
 /// all. The database is only read, and sees one moment of it. De-identified unless the options say

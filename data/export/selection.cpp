@@ -1,5 +1,6 @@
 #include "data/export/selection.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -76,6 +77,28 @@ std::string Selection::titles() const {
         titles.insert(session.title);
     }
     return fmt::format("{}", fmt::join(titles, "; "));
+}
+
+std::vector<NotTaken> Selection::keep(std::string_view held) {
+    database_.run(fmt::format("CREATE TEMP TABLE held AS {}", held));
+    std::vector<NotTaken> none =
+        database_
+            .prepare(
+                "SELECT study_name, session_kind, count(*) FROM chosen JOIN session USING "
+                "(session_id) JOIN study USING (study_id) GROUP BY 1, 2 HAVING "
+                "sum(session_id IN (SELECT session_id FROM held)) = 0 ORDER BY 2, 1")
+            .all([](const Statement& row) {
+                return NotTaken{row.text(0), row.text(1), row.integer(2)};
+            });
+    database_.execute("DELETE FROM chosen WHERE session_id NOT IN (SELECT session_id FROM held)");
+    const auto left =
+        database_.prepare("SELECT session_id FROM chosen").all([](const Statement& row) {
+            return row.integer(0);
+        });
+    std::erase_if(sessions_, [&](const ChosenSession& one) {
+        return std::ranges::find(left, one.id) == left.end();
+    });
+    return none;
 }
 
 void Selection::choose(const std::string& kind) {

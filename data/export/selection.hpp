@@ -18,6 +18,13 @@ struct ExportOptions {
     bool keep_codes = false;  ///< a table subject -> the code of the lab
 };
 
+/// Sessions of a study and kind with nothing that a format could hold.
+struct NotTaken {
+    std::string study;
+    std::string kind;
+    std::int64_t sessions = 0;
+};
+
 /// One session that is exported.
 struct ChosenSession {
     std::int64_t id = 0;
@@ -46,6 +53,9 @@ public:
     [[nodiscard]] const std::vector<ChosenSession>& sessions() const { return sessions_; }
     /// The studies' titles, each once: "One; Another".
     [[nodiscard]] std::string titles() const;
+    /// Chooses among the sessions those that `held`, a query, names by session_id.
+    /// @return the studies of which no session is left
+    std::vector<NotTaken> keep(std::string_view held);
 
 private:
     void choose(const std::string& kind);

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "data/export/csv_export.hpp"
 #include "data/export/export.hpp"
 #include "data/schema/catalogue.hpp"
@@ -5,6 +7,7 @@
 #include "data/store/uuid.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
@@ -214,4 +217,81 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
             .error,
         Has("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
+}
+
+TEST_CASE("of a rule on friction exports have what was compared, and say whose the plan's mu is",
+          "[export][adaptive][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});
+    ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});
+    std::string exported = "comparison_mu_s,comparison_mu_d,comparison_curvature_per_m\n";
+    for (auto& trial : csv_records(slurp(folder.file("out/trials.csv")))) {
+        exported +=
+            fmt::format("{},{},{}\n", trial.at("comparison_mu_s"), trial.at("comparison_mu_d"),
+                        trial.at("comparison_curvature_per_m"));
+    }
+    CHECK(exported ==
+          sql_csv(file,
+                  "SELECT mu_s AS comparison_mu_s, mu_d AS comparison_mu_d, curvature_per_m AS "
+                  "comparison_curvature_per_m FROM presentation JOIN trial USING (trial_id) JOIN "
+                  "adaptive_plan USING (session_id, plan_position) WHERE interval = "
+                  "comparison_interval ORDER BY trial_id"));
+    for (const data::ExportColumn& column : data::export_table("trials").columns) {
+        if (column.name == "mu_s" || column.name == "mu_d") {
+            CHECK_THAT(column.meaning, Has("whatever a rule chose"));
+        }
+    }
+}
+
+TEST_CASE("an export says how many sessions are in its folder, of what kind, and which are not",
+          "[export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const std::string graded = folder.file("graded.sqlite");
+    const std::string shapes = folder.file("shapes.sqlite");
+    ran({"simulate", "curvature_2afc", "--participants", "2", "--no-traces", "--db", graded});
+    ran({"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", shapes});
+    ran({"merge", file, graded, shapes});
+    sql_edit(file,
+             "UPDATE session SET session_kind = 'pilot' WHERE session_id IN (SELECT "
+             "min(session_id) FROM session GROUP BY study_id)");
+    for (const std::string format : {"quickpsy", "psignifit", "procedure", "psychopy"}) {
+        CAPTURE(format);
+        const std::string out = folder.file(format);
+        const Json said = Json::parse(
+            ran({"export", file, "--kind", "all", "--as", format, "--json", "-o", out}).out);
+        const bool all = format == "psychopy";
+        CHECK(said["sessions"] == (all ? 5 : 2));
+        CHECK(said["left_out"].size() == (all ? 4 : 2));
+        CHECK(said["not_taken"].size() == (all ? 0 : 2));
+        const std::string readme = slurp(out + "/README.txt");
+        if (!all) {
+            CHECK(said["not_taken"][1] ==
+                  Json({{"study", "shape_friction_demo"}, {"kind", "simulated"}, {"sessions", 2}}));
+            CHECK_THAT(readme, Has("of 1 pilot session of study shape_friction_demo: ",
+                                   "of 2 simulated sessions of study shape_friction_demo: ") &&
+                                   !Has("left out of study shape_friction_demo"));
+            continue;
+        }
+        std::map<std::string, int> kinds;
+        for (const auto& session : fs::directory_iterator(out)) {
+            if (session.path().extension() == ".csv") {
+                ++kinds[csv_records(slurp(session.path())).at(0).at("kind")];
+            }
+        }
+        CHECK(kinds == std::map<std::string, int>{{"pilot", 2}, {"simulated", 3}});
+    }
+}
+
+TEST_CASE("what lies beside an export says no more than is there, and all of it", "[export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = exported_database(folder);
+    ran({"export", file, "--keep-codes", "-o", folder.file("csv")});
+    CHECK_THAT(slurp(folder.file("csv/columns.csv")),
+               Has("\ncodes,subject,text,", "\ncodes,participant_code,text,",
+                   "\nresponses,answer_code,integer,1,", "; level - 1\","));
+    ran({"export", file, "--as", "bids", "--traces", "-o", folder.file("bids")});  // without ticks
+    CHECK_THAT(slurp(folder.file("bids/README")),
+               Has("there is no motion and no stim") && !Has("motion (") && !Has("pantograph"));
 }

@@ -38,6 +38,14 @@ void declare(CommandWords& words, ExportWords& options) {
               "codes.csv: which code of the lab each subject is");
 }
 
+data::Json not_taken_json(const std::vector<data::NotTaken>& all) {
+    data::Json list = data::Json::array();
+    for (const data::NotTaken& one : all) {
+        list.push_back({{"study", one.study}, {"kind", one.kind}, {"sessions", one.sessions}});
+    }
+    return list;
+}
+
 int run(const ExportWords& options) {
     warn_of_unblinding(options.database);
     const data::ExportSummary done =
@@ -51,7 +59,8 @@ int run(const ExportWords& options) {
                                      {"details", options.what.details},
                                      {"traces", options.what.traces},
                                      {"codes", options.what.keep_codes},
-                                     {"left_out", data::left_out_json(done.left_out)}}));
+                                     {"left_out", data::left_out_json(done.left_out)},
+                                     {"not_taken", not_taken_json(done.not_taken)}}));
         return 0;
     }
     say("{}: {} as {}{}.\n", options.directory, counted(done.sessions, "session"), options.format,
@@ -60,6 +69,9 @@ int run(const ExportWords& options) {
                                   : ", de-identified");
     for (const data::LeftOut& one : done.left_out) {
         say("{}", data::left_out_text(one));
+    }
+    for (const data::NotTaken& one : done.not_taken) {
+        say("{}", data::not_taken_text(one));
     }
     say("  The folder holds nothing of who does not consent and of withdrawn sessions; whom a rule "
         "leaves out is in it.\n");
