@@ -127,13 +127,21 @@ struct Profile {
         return loss_of(found);
     }
 
-    /// A climb may end on a lower hill: the highest of all.
+    /// A climb may end on a lower hill: the highest of all. Where a sigma is next to nothing, criteria
+    /// have to go along with a shift.
     Maximum from_everywhere(double place, Maximum best) const {
-        for (const std::vector<Parameters>* all : {&starts, &ends}) {
-            for (Parameters start : *all) {
-                start[parameter] = place;
-                take_higher(best, climb(model, std::move(start), parameter));
+        const auto try_from = [&](Parameters start) {
+            start[parameter] = place;
+            take_higher(best, climb(model, std::move(start), parameter));
+        };
+        std::ranges::for_each(starts, try_from);
+        for (Parameters end : ends) {
+            try_from(end);
+            const double by = place - end[parameter];
+            for (std::size_t i = 0; i + 1 < model.layout().used.size(); ++i) {
+                end[i] += by;
             }
+            try_from(std::move(end));
         }
         return best;
     }

@@ -360,13 +360,13 @@ TEST_CASE("a change of sigma has a p below .05 where its interval leaves out non
 }
 
 TEST_CASE("a shift that its p does not refute lies in its interval", "[choice]") {
-    // R (nlminb, 32 starts): log-likelihood -21.3014, and -23.0190 without a shift.
+    // R (nlminb, 45 starts): log-likelihood -21.3014, -23.0166 without a shift, -23.2221 at -.14.
     const auto fit = data::fit_thurstone(
         {{{4, 0, 0, 0, 0}, {1, 3, 0, 0, 0}, {0, 2, 2, 0, 0}, {0, 0, 2, 2, 0}, {0, 0, 0, 3, 1}},
          {{4, 0, 0, 0, 0}, {0, 4, 0, 0, 0}, {0, 1, 2, 1, 0}, {0, 0, 1, 3, 0}, {0, 0, 0, 1, 3}}},
         {.items = kFive, .relative = true});
-    CHECK_THAT(fit.parts[1].shift_loss, WithinAbs(23.0190 - 21.3014, 2e-4));
-    CHECK_THAT(fit.parts[1].shift_interval->low, WithinAbs(-0.137, 2e-3));
+    CHECK_THAT(fit.parts[1].shift_loss, WithinAbs(23.0166 - 21.3014, 5e-4));
+    CHECK_THAT(fit.parts[1].shift_interval->low, WithinAbs(-0.140, 3e-3));
 }
 
 // A pair's similarity is the root of an odds ratio of a table of two: of n of n against k of n its

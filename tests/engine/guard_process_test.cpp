@@ -111,7 +111,7 @@ TEST_CASE(
     if (stopped) {
         presser->signal(SIGCONT);
         CHECK(eventually([&] { return presser->fault() != 0; }));
-        CHECK(presser->fault() == static_cast<int>(DeviceFault::silent));
+        CHECK(presser->fault() == static_cast<int>(DeviceFault::held));
         CHECK(off(board));
         CHECK(stays_off(board));
     }
