@@ -138,7 +138,7 @@ struct Profile {
         for (Parameters end : ends) {
             try_from(end);
             const double by = place - end[parameter];
-            for (std::size_t i = 0; i + 1 < model.layout().used.size(); ++i) {
+            for (std::size_t i = 0; i < model.layout().criteria(); ++i) {
                 end[i] += by;
             }
             try_from(std::move(end));
