@@ -197,16 +197,6 @@ engine::ShortForm RigProof::place(engine::Device& device) {
     const engine::ShortForm form = homings != proved_homings ? mark(device) : home(device);
     if (form.refused.empty()) {
         proved_homings = homings;
-        pulses_refused = false;
-    }
-    return form;
-}
-
-engine::ShortForm RigProof::pulses(engine::Device& device) {
-    engine::ShortForm form = pulses_refused ? place(device) : engine::ShortForm{};
-    if (form.refused.empty()) {
-        form = motors(device);
-        pulses_refused = !form.refused.empty();
     }
     return form;
 }
@@ -220,7 +210,7 @@ engine::ShortForm DeviceApparatus::prove_place() {
 
 engine::ShortForm DeviceApparatus::prove_motors() {
     servo_.park();
-    const engine::ShortForm form = proof_.pulses(*device_);
+    const engine::ShortForm form = proof_.motors(*device_);
     unproved_ = form.refused;
     servo_.unpark();
     return form;

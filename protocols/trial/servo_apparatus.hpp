@@ -177,11 +177,7 @@ struct RigProof {
     /// The device has to work; home is enough where it was proved before, the mark is asked for
     /// where it was taken anew, or the plugs are in doubt.
     [[nodiscard]] engine::ShortForm place(engine::Device& device);
-    /// At the place: where pulses were refused since it was proved, it is proved again before them,
-    /// since whoever mends a motor may move an encoder.
-    [[nodiscard]] engine::ShortForm pulses(engine::Device& device);
 
-    bool pulses_refused = false;  ///< since the place was proved
     /// Of those that the device had, so many met the mark; none: the plugs are in doubt.
     std::optional<std::size_t> proved_homings = 0;
 };

