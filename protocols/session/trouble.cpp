@@ -43,7 +43,7 @@ public:
         if (!step.event) {
             ++view.tries;
             sentence_ = step.refused.empty() ? fault_.text : step.refused;
-            if (proves && rig_.trust.state == Trust::at_home && !rig_.trust.doubted) {
+            if (proves && rig_.trust.state == Trust::at_home && !rig_.trust.place_old) {
                 const Event refused = refused_proof(rig_.trust, sentence_, kRefusedInTrouble);
                 sentence_ = refused.text;
                 rig_.happened(refused);

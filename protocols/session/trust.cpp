@@ -58,14 +58,14 @@ RigTrust after_going_on(RigTrust trust, const Event& event) noexcept {
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {
     if (event.value == kRefused || event.value == kRefusedInTrouble) {
-        trust.doubted = trust.doubted || trust.state == Trust::at_home;  // pulses were refused
+        trust.place_old = trust.place_old || trust.state == Trust::at_home;  // it was the pulses
         return lowered_to(trust, event.value == kRefused ? Trust::answers : Trust::at_home);
     }
     const bool moved = event.key == kRigCheck && trust.state >= Trust::at_home;
     if (event.key == kStartPose || moved) {
-        trust.state = moved ? Trust::proved : Trust::at_home;
+        trust.state = !moved ? Trust::at_home : trust.place_old ? Trust::answers : Trust::proved;
+        trust.place_old = false;
         trust.trials = moved ? 0 : trust.trials;  // a handle at home says nothing of motors
-        trust.doubted = !moved && trust.doubted;
     }
     return trust;
 }
@@ -93,7 +93,6 @@ ProofStep works_again(bool anew) {
 
 RigTrust apply(RigTrust trust, const Attempt& /*attempt*/) noexcept {
     ++trust.trials;
-    trust.doubted = false;
     return trust.trials < kMaxTrialsOfAProof ? trust : lowered_to(trust, Trust::answers);
 }
 
@@ -193,8 +192,9 @@ void HandleCheck::prove() {
     while (trust_.state != Trust::proved && refused_.empty()) {
         ProofStep step = prove_step(apparatus_, trust_.state);
         refused_ = std::move(step.refused);
+        trust_ = apply(
+            trust_, step.event ? *step.event : refused_proof(trust_, refused_, kRefusedInTrouble));
         if (step.event) {
-            trust_ = apply(trust_, *step.event);
             proved_.push_back(*std::move(step.event));
         }
     }

@@ -50,7 +50,7 @@ inline constexpr double kLongTrouble = 10.0;
 struct RigTrust {
     Trust state = Trust::unknown;
     std::size_t trials = 0;  ///< attempts since it was proved
-    bool doubted = false;    ///< that its motors are not as they were is kept, of these attempts
+    bool place_old = false;  ///< pulses were refused since: who mends a motor may move an encoder
     bool by_hand = false;    ///< it may be another one, and nobody has said to go on since
 
     /// A trial may give force: proved, and nobody has to say to go on first.

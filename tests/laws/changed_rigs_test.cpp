@@ -7,6 +7,7 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/changing_rig.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
@@ -272,4 +273,52 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     CHECK(right_proved == right);
     CHECK(right > 10);
     CHECK(hidden <= 1 + right / 200);
+}
+
+TEST_CASE("whoever mends a motor may move an encoder: its place is proved again before it is felt",
+          "[safety][trust][law]") {
+    const RigRecord record = Bench().commissioned();
+    const bool slips = GENERATE(false, true);
+    for (const std::uint64_t seed : schedules(6)) {
+        CAPTURE(seed);
+        Random random(seed);
+        Bench bench;
+        bench.believe(record);
+        bench.handle.connect({}, {.swapped = true});
+        RigTrust trust = apply({.state = Trust::proved}, {.kind = protocols::EventKind::rest});
+        int refused = 0;
+        for (int i = 0; i < 16 && trust.state != Trust::proved; ++i) {
+            const protocols::ProofStep step = prove_step(bench, trust.state);
+            trust = apply(trust, step.event ? *step.event
+                                            : refused_proof(trust, step.refused,
+                                                            protocols::kRefusedInTrouble));
+            if (step.event) {
+                continue;
+            }
+            bench.pass(500'000'000);
+            bench.handle.bring(*machine().home);
+            if (++refused == 2) {  // both times its pulses
+                REQUIRE((trust.state == Trust::at_home));
+                bench.handle.connect({}, {});
+                const double angle = 2.0 * std::numbers::pi / 4880.0 * random.in(60.0, 400.0);
+                bench.handle.slip(random.index(2), slips ? angle : 0.0);
+            }
+        }
+        CHECK(refused >= 2);
+        CHECK((trust.state == Trust::proved) == !slips);
+    }
+}
+
+TEST_CASE("a break's looks find the place again once refused pulses are right",
+          "[session][trust][law]") {
+    World world;
+    ChangingRig rig(world, 1, engine::Trip::none);  // first its place is refused, then its pulses
+    rig.change();
+    protocols::HandleCheck check(rig, {.state = Trust::answers});
+    while (!check.over()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    CHECK(check.refused().empty());
+    CHECK((rig.placed_again && rig.pulsed));
+    CHECK(rig.pulses == 3);
 }

@@ -44,6 +44,7 @@ public:
                std::size_t position,
                std::size_t interval) override {
         CHECK(placed);
+        CHECK(placed_again);
         CHECK(pulsed);
         CHECK(plugs_known);
         CHECK(since++ < kMaxTrialsOfAProof);
@@ -69,6 +70,7 @@ public:
         CHECK_FALSE(force_on);
         const auto form = step(places_left_, placed, "the handle is elsewhere");
         plugs_known = plugs_known || (placed && std::exchange(asks_mark_, false));
+        placed_again = placed_again || placed;
         return form;
     }
     void doubt_plugs() override { asks_mark_ = true; }
@@ -78,6 +80,7 @@ public:
         ++pulses;
         const auto form = step(pulses_left_, pulsed, "a motor is too strong");
         since = pulsed ? 0 : since;
+        placed_again = placed_again && pulsed;  // who mends a motor may move an encoder
         return form;
     }
     void change() {
@@ -91,6 +94,7 @@ public:
     bool changes_at_faults = true;
     int pulses = 0;
     bool placed = false;
+    bool placed_again = true;  ///< since pulses were refused
     bool pulsed = false;
     bool plugs_known = true;  ///< none was away since the second mark was met
     std::size_t since = 0;    ///< trials since pulses were right
