@@ -340,7 +340,11 @@ std::vector<double> Cell::spread(const Table& table) const {
         say(fmt::format("{} holds {}: give numbers {}", key_.name,
                         key_.range.has(all.from) ? all.to : all.from, range_of(key_.range)));
     }
-    return evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
+    std::vector<double> values = evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
+    for (std::size_t i = 1; by_step && i + 1 < values.size(); ++i) {  // .3, not .30000000000000004
+        values[i] = twelve_digits(values[i], std::max(std::fabs(all.from), std::fabs(all.to)));
+    }
+    return values;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -217,6 +218,13 @@ std::vector<double> evenly(double from, double to, std::size_t count) {
         values.back() = to;
     }
     return values;
+}
+
+double twelve_digits(double x, double size) {
+    constexpr double kDigitsPerBit = 0.30103;
+    const int before = static_cast<int>(std::floor(kDigitsPerBit * std::ilogb(size)));
+    const std::string text = fmt::format("{:.{}f}", x, std::clamp(11 - before, 0, 300));
+    return parsed<double>(text).value_or(x) + 0.0;  // no -0
 }
 
 LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid parameters)

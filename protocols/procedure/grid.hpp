@@ -116,6 +116,10 @@ inline constexpr std::size_t kMaxCells = 10'000'000;
 /// "from" to "to" in `count` equal steps, the ends exact. @pre count >= 1
 [[nodiscard]] std::vector<double> evenly(double from, double to, std::size_t count);
 
+/// `x`, added up of numbers of that size, to twelve digits of it: what additions leave in the last
+/// bits would make two levels of one. @param size  > 0
+[[nodiscard]] double twelve_digits(double x, double size);
+
 /// The chances of every outcome at every stimulus of a grid for every cell of a parameter grid, and
 /// the entropy of the outcome there. Computed once; what a trial reads of it lies in a row.
 ///

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
+#include "protocols/procedure/grid.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -62,14 +62,6 @@ double steps_between(StepScale scale, double from, double to) {
 
 /// A level is a bound if it is that close to it, relative.
 constexpr double kAtBound = 1e-9;
-
-/// @param size  > 0, of the numbers that were added up to x
-double twelve_digits(double x, double size) {
-    constexpr double kDigitsPerBit = 0.30103;
-    const int before = static_cast<int>(std::floor(kDigitsPerBit * std::ilogb(size)));
-    const std::string text = fmt::format("{:.{}f}", x, std::clamp(11 - before, 0, 300));
-    return parsed<double>(text).value_or(x) + 0.0;  // no -0
-}
 
 }  // namespace
 

@@ -1,3 +1,5 @@
+#include <set>
+
 #include "protocols/file/procedure_file.hpp"
 #include "tests/support/placed_lines.hpp"
 #include "tests/support/test_text.hpp"
@@ -61,6 +63,18 @@ TEST_CASE("a procedure file gives what the same spec gives", "[procedure_file][l
         read.update(read.next(), i * i % 3 == 1 ? 0 : 1);
         made.update(made.next(), i * i % 3 == 1 ? 0 : 1);
     }
+}
+
+TEST_CASE("a level given by steps is the decimal number that one would write",
+          "[procedure_file][law]") {
+    const std::string text =
+        replaced(file_of("constant"), "[1, 2, 3, 4]", "{ from = -0.3, to = 0.6, step = 0.1 }");
+    Procedure read = parse_procedure(text, "p.toml").procedure;
+    std::set<double> levels;
+    for (; !read.finished(); read.update(read.next(), 0)) {
+        levels.insert(read.next().at(0));
+    }
+    CHECK(levels == std::set{-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
 }
 
 TEST_CASE("every key of the reference is read by some file, and each other one refused",
