@@ -228,11 +228,11 @@ void destroy_participant(Database& database,
                          std::string_view code,
                          Destroy what,
                          const Reason& why) {
-    const std::string theirs = ordered_elsewhere(database.connection());
-    refuse_if(!theirs.empty(),
+    const std::string foreign = ordered_elsewhere(database.connection());
+    refuse_if(!foreign.empty(),
               "{}: {} is ordered by a rule of another program, so that the file cannot be written "
               "anew without what is destroyed: drop it, and try again",
-              database.file(), theirs);
+              database.file(), foreign);
     {
         Transaction all(database);
         database.execute("PRAGMA defer_foreign_keys = ON");
