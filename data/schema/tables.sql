@@ -209,6 +209,7 @@ CREATE TABLE adaptive_step (
     -- Answers that a rule took in. Stimulus: presentation.stimulus of the trial.
     trial_id     INTEGER PRIMARY KEY REFERENCES trial,  -- [file] trial.trial_id
     rule_outcome INTEGER NOT NULL CHECK (rule_outcome >= 0),  -- as the rule took it; two intervals: 1 if the comparison was named
+    staircase    TEXT CHECK (length(staircase) > 0),  -- which of several interleaved ones chose the stimulus; NULL: no such rule
     estimate     REAL,                              -- mean of the first estimate with this answer; NULL: none
     estimates    TEXT NOT NULL,                     -- all of them, as JSON: {"name": {"mean": x, "mode": x}, ...}
     state_sha256 TEXT NOT NULL CHECK (length(state_sha256) = 64)  -- of the rule's state with this answer

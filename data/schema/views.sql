@@ -72,6 +72,7 @@ SELECT study.study_name AS study_name,
        trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share,  -- of ticks
        trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,  -- of ticks
        adaptive_step.rule_outcome AS rule_outcome,
+       adaptive_step.staircase AS staircase,
        adaptive_step.estimate AS estimate,
        adaptive_step.estimates AS estimates,
        adaptive_step.state_sha256 AS state_sha256,

@@ -11,6 +11,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/trust.hpp"
+#include "data/csv/csv_text.hpp"
 #include "data/store/chain.hpp"
 
 namespace palpate::data {
@@ -47,6 +48,9 @@ SessionProgress replayed(const Database& database,
     if (const double next = progress.runs().next(answer.run); next != answer.stimulus) {
         refuse(fmt::format("the stimulus {} stands for {}", answer.stimulus, next));
     }
+    if (const auto track = progress.runs().of(answer.run).track(); track != answer.track) {
+        refuse(fmt::format("staircase \"{}\" stands for \"{}\"", answer.track, track));
+    }
     try {
         progress = apply(std::move(progress), stored.attempt);
     } catch (const std::invalid_argument& error) {
@@ -81,16 +85,17 @@ std::optional<Begun> begun(Database& database, std::int64_t session) {
 }
 
 std::string responses_of(Database& database, std::int64_t session, std::int64_t run) {
-    std::string text = "stimulus,response\n";
+    std::string text = "stimulus,response,staircase\n";
     Statement step = database.prepare(
-        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
+        "SELECT presentation.stimulus, rule_outcome, coalesce(staircase, '') FROM adaptive_step "
+        "JOIN trial "
         "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
         "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
         "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
         "NULL ORDER BY trial.trial_id",
         session, run);
     while (step.step()) {
-        text += fmt::format("{},{}\n", step.real(0), step.integer(1));
+        text += fmt::format("{},{},{}\n", step.real(0), step.integer(1), csv_field(step.text(2)));
     }
     return text;
 }
@@ -122,7 +127,8 @@ std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t sess
         "SELECT trial_id, plan_position, outcome, reaction_s IS NOT NULL, invalid_reason IS NULL OR"
         " EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event_kind ="
         " 'mark'), run_number, (SELECT stimulus FROM presentation WHERE presentation.trial_id = "
-        "trial.trial_id AND stimulus IS NOT NULL), rule_outcome, state_sha256 FROM trial LEFT JOIN "
+        "trial.trial_id AND stimulus IS NOT NULL), rule_outcome, coalesce(staircase, ''), "
+        "state_sha256 FROM trial LEFT JOIN "
         "response USING (trial_id) LEFT JOIN adaptive_step USING (trial_id) LEFT JOIN "
         "adaptive_plan USING (session_id, plan_position) WHERE session_id = ?1 ORDER BY trial_id",
         session);
@@ -138,8 +144,9 @@ std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t sess
         if (!row.null(7)) {
             stored.attempt.answer = {.run = static_cast<std::size_t>(row.integer(5)),
                                      .stimulus = row.real(6),
-                                     .outcome = static_cast<std::size_t>(row.integer(7))};
-            stored.state_hash = row.text(8);
+                                     .outcome = static_cast<std::size_t>(row.integer(7)),
+                                     .track = row.text(8)};
+            stored.state_hash = row.text(9);
         }
     }
     return attempts;
@@ -207,13 +214,15 @@ std::string estimates_text(const std::vector<protocols::Estimate>& estimates) {
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     const Begun rules = begun(database, session).value();
     protocols::AdaptiveRuns runs(rules.protocol, rules.key);
-    for (const Statement& step : database.prepare(
-             "SELECT run_number, stimulus, rule_outcome FROM analysis_trial WHERE session_id = ?1 "
-             "AND counts AND run_trial_number IS NOT NULL ORDER BY trial_id",
-             session)) {
+    for (const Statement& step :
+         database.prepare("SELECT run_number, stimulus, rule_outcome, coalesce(staircase, '') FROM "
+                          "analysis_trial WHERE session_id = ?1 "
+                          "AND counts AND run_trial_number IS NOT NULL ORDER BY trial_id",
+                          session)) {
         runs.update({.run = static_cast<std::size_t>(step.integer(0)),
                      .stimulus = step.real(1),
-                     .outcome = static_cast<std::size_t>(step.integer(2))});
+                     .outcome = static_cast<std::size_t>(step.integer(2)),
+                     .track = step.text(3)});
     }
     return runs;
 }

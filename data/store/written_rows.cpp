@@ -144,6 +144,8 @@ Row response_row(const protocols::Protocol& protocol, const protocols::Response&
 Row step_row(const protocols::AdaptiveStep& step) {
     Row row("adaptive_step");
     row.set("rule_outcome", step.answer.outcome)
+        .set("staircase",
+             step.answer.track.empty() ? std::nullopt : std::optional(step.answer.track))
         .set("estimate", step.estimates.empty() ? std::nullopt : step.estimates.front().mean)
         .set("estimates", estimates_text(step.estimates))
         .set("state_sha256", step.state_hash);

@@ -283,13 +283,15 @@ bool check_response(const SessionFrame& frame,
 protocols::RuleAnswer rule_answer(const SessionFrame& frame,
                                   const StoredRow& response,
                                   const protocols::PlannedTrial& planned,
-                                  double stimulus) {
+                                  double stimulus,
+                                  const protocols::AdaptiveRuns& runs) {
     const protocols::Response given{
         {.place = static_cast<std::size_t>(response.integer("answer_code"))},
         index_of(frame.protocol.objects, response.text("chosen_object"))};
     return {.run = planned.adaptive->run,
             .stimulus = stimulus,
-            .outcome = outcome_of(frame.protocol, planned, given)};
+            .outcome = outcome_of(frame.protocol, planned, given),
+            .track = std::string(runs.of(planned.adaptive->run).track())};
 }
 
 void check_step(Database& database,

@@ -78,11 +78,14 @@ bool check_response(const SessionFrame& frame,
                     std::span<const protocols::Presentation> felt,
                     Findings& findings);
 
-/// What the rule takes in with the answer of a trial. @param stimulus  what the rule chose
+/// What the rule takes in with the answer of a trial.
+/// @param stimulus  what the rule chose
+/// @param runs      before the answer
 [[nodiscard]] protocols::RuleAnswer rule_answer(const SessionFrame& frame,
                                                 const StoredRow& response,
                                                 const protocols::PlannedTrial& planned,
-                                                double stimulus);
+                                                double stimulus,
+                                                const protocols::AdaptiveRuns& runs);
 
 /// The row of adaptive_step of a trial: none without an answer that the rule took in; else outcome,
 /// estimates and state are those of the rule.

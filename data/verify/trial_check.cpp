@@ -233,7 +233,8 @@ void TrialCheck::check_planned(TrialRows& pending,
     const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
     take(trial, answered,
          answered && of_rule && counted(trial)
-             ? std::optional(rule_answer(frame_, *pending.response, planned, *stimulus))
+             ? std::optional(
+                   rule_answer(frame_, *pending.response, planned, *stimulus, progress_.runs()))
              : std::nullopt,
          findings);
     if (!answered && !trial.null("invalid_reason")) {

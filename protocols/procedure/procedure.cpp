@@ -27,10 +27,11 @@ ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)
     for (std::size_t i = 0; i < order_.size(); i += block) {
         shuffle(std::span(order_).subspan(i, block), random);
     }
+    left_.assign(order_.rbegin(), order_.rend());
 }
 
 std::vector<double> ConstantStimuli::next() const {
-    return {finished() ? order_.back() : order_[trials_]};
+    return {finished() ? order_.back() : left_.back()};
 }
 
 void ConstantStimuli::update(std::span<const double> shown, std::size_t outcome) {
@@ -40,6 +41,8 @@ void ConstantStimuli::update(std::span<const double> shown, std::size_t outcome)
     refuse_if(finished(), "every stimulus was shown: give no more responses");
     history_.push_back(shown[0]);
     history_.push_back(static_cast<double>(outcome));
+    const auto done = std::find(left_.rbegin(), left_.rend(), shown[0]);
+    left_.erase(std::prev((done == left_.rend() ? left_.rbegin() : done).base()));
     ++trials_;
 }
 
@@ -76,8 +79,12 @@ std::vector<double> Procedure::next() const {
     return std::visit([](const auto& s) { return s.next(); }, state_);
 }
 
-void Procedure::update(std::span<const double> shown, std::size_t outcome) {
-    std::visit([&](auto& s) { s.update(shown, outcome); }, state_);
+void Procedure::update(std::span<const double> shown, std::size_t outcome, std::string_view track) {
+    if (auto* const staircases = std::get_if<Staircases>(&state_)) {
+        staircases->update(shown, outcome, track);
+    } else {
+        std::visit([&](auto& s) { s.update(shown, outcome); }, state_);
+    }
 }
 
 bool Procedure::finished() const {

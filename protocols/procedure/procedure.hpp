@@ -26,8 +26,9 @@ struct ConstantStimuliSpec {
 };
 
 /// The method of constant stimuli: every value equally often in random order, whatever the
-/// responses. All orders (with in_blocks: of each block) are equally likely. What was shown is
-/// taken to be what the list says; the function is fitted afterwards.
+/// responses. All orders (with in_blocks: of each block) are equally likely. What was shown is done
+/// where it stands first in what is left of the list, so that a value whose answer does not count
+/// comes again; the function is fitted afterwards.
 class ConstantStimuli {
 public:
     /// @throws std::invalid_argument for an empty list, values that are not finite, no repetition,
@@ -53,6 +54,7 @@ public:
 
 private:
     std::vector<double> order_;
+    std::vector<double> left_;  ///< of the order, the next one last
     std::size_t outcomes_;
     std::vector<double> history_;  ///< shown, outcome, shown, outcome, ...
     std::size_t trials_ = 0;
@@ -91,8 +93,10 @@ public:
     [[nodiscard]] std::vector<double> next() const;
     /// @param shown    what was shown, recommended or not
     /// @param outcome  0 ... outcomes() - 1; of two, 1 is correct or yes
+    /// @param track    what track() said when it was shown, where answers before it may have been
+    ///                 left out since; empty: what it says now
     /// @throws std::invalid_argument with the value and the remedy; the state is then as it was
-    void update(std::span<const double> shown, std::size_t outcome);
+    void update(std::span<const double> shown, std::size_t outcome, std::string_view track = {});
 
     /// The rule asks for no more trials; next() goes on naming a stimulus.
     [[nodiscard]] bool finished() const;

@@ -183,14 +183,21 @@ void Staircases::draw() {
     }
 }
 
-void Staircases::update(std::span<const double> shown, std::size_t outcome) {
+void Staircases::update(std::span<const double> shown,
+                        std::size_t outcome,
+                        std::string_view track) {
     refuse_if(shown.size() != 1 || !std::isfinite(shown[0]),
               "the stimulus of a staircase is one finite number: give that");
-    refuse_if(!(shown[0] > 0.0) && tracks_[track_].spec().scale != StepScale::linear,
+    const auto by = track.empty() ? tracks_.begin() + static_cast<std::ptrdiff_t>(track_)
+                                  : std::ranges::find(tracks_, track, [](const Staircase& one) {
+                                        return std::string_view(one.spec().name);
+                                    });
+    refuse_if(by == tracks_.end(), "there is no staircase {}: give the name of one", track);
+    refuse_if(!(shown[0] > 0.0) && by->spec().scale != StepScale::linear,
               "the stimulus is {}: on a scale of factors give one above 0", shown[0]);
     refuse_if(outcome > 1, "the response is {}: give 0 or 1", outcome);
     refuse_if(finished(), "every staircase has ended: give no more responses");
-    tracks_[track_].update(shown[0], outcome == 1);
+    by->update(shown[0], outcome == 1);
     ++trials_;
     draw();
 }

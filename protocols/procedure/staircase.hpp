@@ -109,11 +109,12 @@ public:
     /// @throws std::invalid_argument without a staircase, for equal names, or as Staircase
     Staircases(const std::vector<StaircaseSpec>& specs, Pcg32 random);
 
-    /// The level of the track that was drawn for the next trial.
+    /// The level of the staircase that was drawn for the next trial.
     [[nodiscard]] std::vector<double> next() const { return {tracks_[track_].level()}; }
+    /// @param track  the name of the staircase that showed it; empty: the one that was drawn
     /// @throws std::invalid_argument for a stimulus that is not one finite number, for another
-    ///         outcome than 0 (wrong) and 1 (right), or when all are finished
-    void update(std::span<const double> shown, std::size_t outcome);
+    ///         outcome than 0 (wrong) and 1 (right), for another name, or when all are finished
+    void update(std::span<const double> shown, std::size_t outcome, std::string_view track = {});
 
     /// As Procedure's: each staircase has finished; an estimate a staircase.
     [[nodiscard]] bool finished() const noexcept;

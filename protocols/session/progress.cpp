@@ -26,7 +26,7 @@ double AdaptiveRuns::next(std::size_t run) const {
 }
 
 void AdaptiveRuns::update(const RuleAnswer& answer) {
-    procedures_.at(answer.run).update(std::span(&answer.stimulus, 1), answer.outcome);
+    procedures_.at(answer.run).update(std::span(&answer.stimulus, 1), answer.outcome, answer.track);
 }
 
 AdaptiveStep AdaptiveRuns::step_after(const RuleAnswer& answer) const {

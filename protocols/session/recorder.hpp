@@ -87,6 +87,7 @@ struct RuleAnswer {
     std::size_t run = 0;
     double stimulus = 0.0;    ///< what was shown, as the rule counts
     std::size_t outcome = 0;  ///< 0 ... Procedure::outcomes() - 1
+    std::string track{};      ///< Procedure::track() when it was shown
 };
 
 /// The same with what the rule says afterwards.

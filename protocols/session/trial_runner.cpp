@@ -254,7 +254,8 @@ std::optional<RuleAnswer> TrialRunner::answer(Running& trial, std::span<const Pr
     const Presentation& chosen = felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1];
     return RuleAnswer{.run = planned.adaptive->run,
                       .stimulus = chosen.stimulus.value(),
-                      .outcome = outcome_of(protocol_, planned, response)};
+                      .outcome = outcome_of(protocol_, planned, response),
+                      .track = std::string(progress_.runs().of(planned.adaptive->run).track())};
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not

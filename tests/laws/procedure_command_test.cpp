@@ -1,5 +1,6 @@
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
@@ -110,4 +111,42 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     write(config, "format = 1\n[procedure]\nkind = \"best\"\n");
     CHECK_THAT(ran({"procedure", config, responses}, 2).error, Has("c.toml:3:8: kind is \"best\""));
     CHECK_THAT(ran({"procedure", "--keys"}).out, Has("[quest]"));
+}
+
+TEST_CASE("a marked answer of one staircase moves none of another's, in summary and in exports",
+          "[cli][procedure][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("r.sqlite");
+    ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});
+    const auto mean_of = [&](const std::string& staircase) {
+        const std::string text = ran({"summary", file, "--json"}).out;
+        const std::size_t at = text.find("\"estimate\": \"" + staircase + "\"");
+        REQUIRE(at != std::string::npos);
+        const std::size_t mean = text.find("\"mean\": ", at);
+        return text.substr(mean, text.find('\n', mean) - mean);
+    };
+    const std::string near = mean_of("from_near");
+    const std::string far = mean_of("from_far");
+    const std::string marked =
+        sql_first(file,
+                  "SELECT max(trial_id) FROM analysis_trial WHERE staircase = 'from_far' AND "
+                  "run_trial_number < 60");
+    ran({"mark", file, marked, "--invalid", "coughed"});
+    CHECK(mean_of("from_near") == near);
+    CHECK(mean_of("from_far") != far);
+
+    ran({"export", file, "--format", "procedure", "--kind", "simulated", "-o", folder.file("e")});
+    int replays = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.file("e"))) {
+        if (entry.path().filename() != "RESPONSES.csv") {
+            continue;
+        }
+        const std::string config = (entry.path().parent_path() / "CONFIG.toml").string();
+        const auto rows = csv_rows(ran({"procedure", config, entry.path().string()}).out);
+        const auto column = std::ranges::find(rows.at(0), "estimate_mean_from_near");
+        const std::string last = rows.back().at(static_cast<std::size_t>(column - rows[0].begin()));
+        CHECK_THAT(near, Has(last.substr(0, 6)));
+        ++replays;
+    }
+    CHECK(replays == 1);
 }

@@ -314,3 +314,68 @@ TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[
         REQUIRE(rebuilt.state_hash() == run.state_hash());
     }
 }
+
+TEST_CASE("answers that are left out later move no other to another staircase",
+          "[staircase][procedure][law]") {
+    SEEDED(random, std::uint64_t{100});
+    std::vector<StaircaseSpec> specs;
+    for (const char* name : {"far", "near", "other"}) {
+        specs.push_back({.name = name, .start = random.in(1.0, 9.0), .trials = 12});
+    }
+    Procedure run(specs, Pcg32(seed, 5));
+    Procedure kept(specs, Pcg32(seed, 5));
+    std::map<std::string, Staircase, std::less<>> alone;
+    for (const StaircaseSpec& spec : specs) {
+        alone.emplace(spec.name, spec);
+    }
+    const auto answer = [&](double shown, bool right, const std::string& track) {
+        kept.update(std::span(&shown, 1), right ? 1 : 0, track);
+        alone.at(track).update(shown, right);
+    };
+    const double share = random.in(0.1, 0.6);
+    while (!run.finished()) {
+        const std::string track(run.track());
+        const double shown = run.next().at(0);
+        const bool right = random.coin();
+        run.update(std::span(&shown, 1), right ? 1 : 0, track);
+        if (random.in(0.0, 1.0) > share) {
+            answer(shown, right, track);
+        }
+    }
+    while (!kept.finished()) {  // each is run to its end, from where its own answers led
+        REQUIRE(kept.next().at(0) == alone.at(std::string(kept.track())).level());
+        answer(kept.next().at(0), random.coin(), std::string(kept.track()));
+    }
+    CHECK(kept.trials() == 36);
+    for (const Estimate& estimate : kept.estimates()) {
+        const Estimate own = alone.at(estimate.name).estimate();
+        CHECK((estimate.mean == own.mean && estimate.sd == own.sd));
+    }
+    const double one = 1.0;
+    CHECK_THROWS_WITH(Procedure(specs, Pcg32(1, 1)).update(std::span(&one, 1), 1, "farther"),
+                      Has("there is no staircase farther"));
+}
+
+TEST_CASE("a constant stimulus whose answer is left out comes again", "[constant][law]") {
+    SEEDED(random, std::uint64_t{100});
+    const ConstantStimuliSpec spec{
+        .values = {1.0, 2.0, 2.0, 3.0, 4.0}, .repetitions = 4, .in_blocks = random.coin()};
+    Procedure run(spec, Pcg32(seed, 5));
+    Procedure kept(spec, Pcg32(seed, 5));
+    std::map<double, int> counts;
+    const auto answer = [&](const std::vector<double>& shown) {
+        kept.update(shown, 1);
+        ++counts[shown.at(0)];
+    };
+    for (int i = random.below(20); i > 0; --i) {
+        const std::vector<double> shown = run.next();
+        run.update(shown, 1);
+        if (random.coin()) {
+            answer(shown);
+        }
+    }
+    while (!kept.finished()) {
+        answer(kept.next());
+    }
+    CHECK(counts == std::map<double, int>{{1.0, 4}, {2.0, 8}, {3.0, 4}, {4.0, 4}});
+}

@@ -28,6 +28,9 @@ struct ProcedureOptions {
 using protocols::Estimate;
 using protocols::Procedure;
 
+/// The column that says which of several interleaved staircases showed a stimulus.
+constexpr std::string_view kStaircase = "staircase";
+
 /// Columns of the stimulus: "stimulus", and "stimulus_covariate" for a further dimension of that
 /// name.
 std::vector<std::string> stimulus_columns(const Procedure& procedure) {
@@ -42,7 +45,7 @@ std::string head(const Procedure& procedure, bool tracks, bool hashes) {
     const std::vector<std::string> stimulus = stimulus_columns(procedure);
     std::string text = fmt::format("trial,{},response", fmt::join(stimulus, ","));
     if (tracks) {
-        text += ",staircase";
+        text += fmt::format(",{}", kStaircase);
     }
     const std::vector<Estimate> estimates = procedure.estimates();
     if (estimates.size() < 2) {
@@ -114,18 +117,17 @@ std::vector<double> shown_in(const Procedure& procedure,
     return shown;
 }
 
-std::string line_of(const Procedure& procedure,
-                    std::size_t row,
+std::string line_of(std::size_t row,
                     const std::vector<double>& shown,
                     std::size_t outcome,
-                    bool tracks) {
+                    std::string_view staircase) {
     std::string line = fmt::format("{}", row + 1);
     for (const double x : shown) {
         add(line, x);
     }
     line += fmt::format(",{}", outcome);
-    if (tracks) {
-        line += fmt::format(",{}", procedure.track());
+    if (!staircase.empty()) {
+        line += fmt::format(",{}", staircase);
     }
     return line;
 }
@@ -143,9 +145,11 @@ std::string replayed(Procedure procedure,
                                   file, table.lines[row], row + 1, row);
         const std::vector<double> shown = shown_in(procedure, table, row);
         const std::size_t outcome = outcome_of(procedure, table, row, file);
-        std::string line = line_of(procedure, row, shown, outcome, tracks);
+        const std::string_view given = table.text(row, kStaircase).value_or("");
+        const std::string_view staircase = !tracks || given.empty() ? procedure.track() : given;
+        std::string line = line_of(row, shown, outcome, staircase);
         try {
-            procedure.update(shown, outcome);
+            procedure.update(shown, outcome, staircase);
         } catch (const std::invalid_argument& e) {
             throw data::CsvError(fmt::format("{}:{}: {}", file, table.lines[row], e.what()));
         }
@@ -161,7 +165,9 @@ std::string replayed(Procedure procedure,
 
 void declare(CommandWords& words, ProcedureOptions& options) {
     words.add("CONFIG", options.config, "A procedure file (TOML)").required_unless("--keys");
-    words.add("RESPONSES", options.responses, "A CSV file with a column response (and stimulus)")
+    words
+        .add("RESPONSES", options.responses,
+             "A CSV file with a column response (and stimulus, and staircase)")
         .required_unless("--keys");
     words.add("-o,--output", options.output, "Where to write; standard output without it");
     words.add("--hashes", options.hashes, "Add the SHA-256 of the state after every trial");
@@ -177,7 +183,8 @@ int run(const ProcedureOptions& options) {
     const std::vector<std::string> shown = stimulus_columns(file.procedure);
     const std::vector<std::string_view> optional(shown.begin(), shown.end());
     const std::vector<std::string_view> wanted{"response"};
-    const data::NumberTable table = data::read_numbers(options.responses, wanted, optional);
+    const data::NumberTable table =
+        data::read_numbers(options.responses, wanted, optional, std::span(&kStaircase, 1));
     write_whole(options.output, replayed(file.procedure, table, options.responses, options.hashes));
     return 0;
 }

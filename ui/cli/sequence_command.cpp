@@ -159,7 +159,9 @@ public:
             felt.push_back(felt_value(rule, shown));
             if (trial.phase != protocols::Phase::practice) {
                 const bool last = felt.size() > 1;
-                runs.update({run, shown, last ? runs.of(run).outcomes() - 1 : 0});
+                runs.update({.run = run,
+                             .stimulus = shown,
+                             .outcome = last ? runs.of(run).outcomes() - 1 : 0});
             }
         }
         std::ranges::sort(felt);
