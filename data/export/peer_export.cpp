@@ -110,7 +110,7 @@ void export_psychopy(const Exporting& to) {
             for (int column = 0; column < row.columns(); ++column) {
                 file.add(row.value(column));
             }
-            file.row(session.subject, session.number, session.kind, session.study);
+            file.row(session.subject, session.number, session.kind, session.label);
         }
         row.reset();
         file.close();

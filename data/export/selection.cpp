@@ -12,20 +12,32 @@
 namespace palpate::data {
 namespace {
 
-/// Letters and digits of a study's name, and a number where two would be the same.
-std::string label_of(std::string_view name, std::set<std::string>& taken) {
+/// Letters and digits of a study's name.
+std::string plain_name(std::string_view name) {
     std::string plain;
     for (const char c : name) {
         const bool keep =
             (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
         plain += keep ? std::string(1, c) : "";
     }
-    plain = plain.empty() ? "study" : plain;
-    std::string label = plain;
-    for (int n = 2; !taken.insert(label).second; ++n) {
-        label = fmt::format("{}x{}", plain, n);
+    return plain.empty() ? "study" : plain;
+}
+
+/// What studies are called in names of files, by study_id. Of several with one name none has it
+/// alone: another that comes later would take its meaning.
+std::map<std::int64_t, std::string> study_labels(Database& database) {
+    std::map<std::string, std::map<std::int64_t, std::string>> studies;
+    for (const Statement& study : database.prepare(
+             "SELECT study_id, study_name, substr(protocol_sha256, 1, 8) FROM study")) {
+        studies[plain_name(study.text(1))][study.integer(0)] = study.text(2);
     }
-    return label;
+    std::map<std::int64_t, std::string> labels;
+    for (const auto& [name, versions] : studies) {
+        for (const auto& [id, hash] : versions) {
+            labels[id] = versions.size() == 1 ? name : fmt::format("{}x{}", name, hash);
+        }
+    }
+    return labels;
 }
 
 std::int64_t count(Database& database, std::string_view sql, const std::string& kind) {
@@ -124,12 +136,7 @@ void Selection::choose(const std::string& kind) {
 }
 
 void Selection::name_subjects() {
-    std::map<std::int64_t, std::string> labels;
-    std::set<std::string> taken;
-    for (const Statement& study :
-         database_.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256")) {
-        labels[study.integer(0)] = label_of(study.text(1), taken);
-    }
+    const std::map<std::int64_t, std::string> labels = study_labels(database_);
     Statement session = database_.prepare(
         "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
         "study_title, participant.subject, session_kind FROM chosen JOIN session USING "
