@@ -40,8 +40,26 @@ std::map<std::int64_t, std::string> study_labels(Database& database) {
     return labels;
 }
 
-std::int64_t count(Database& database, std::string_view sql, const std::string& kind) {
-    return database.first(sql, kind).integer(0);
+/// Why there is nothing of a kind.
+std::string no_session(Database& database, const std::string& kind) {
+    Statement row = database.first(
+        "SELECT sum(asked), sum(asked AND consent IS NOT 0), sum(asked AND consent = 0), "
+        "sum(session_kind = 'real'), sum(session_kind = 'pilot'), sum(session_kind = 'simulated') "
+        "FROM (SELECT *, ?1 IN ('all', session_kind) AS asked FROM session) JOIN participant USING "
+        "(participant_id)",
+        kind);
+    const auto are = [&](int column) {
+        return counted(row.integer(column), "is", "are");
+    };
+    const std::string name = kind == "all" ? "session" : kind + " session";
+    const std::string text =
+        fmt::format("there is no {} to export: of {} {} withdrawn, and {} of who does not consent",
+                    name, counted(row.integer(0), name), are(1), are(2));
+    return kind == "all" ? text
+                         : fmt::format(
+                               "{}; the file has {} real, {} pilot and {} simulated: "
+                               "--kind chooses",
+                               text, row.integer(3), row.integer(4), row.integer(5));
 }
 
 }  // namespace
@@ -114,24 +132,13 @@ std::vector<NotTaken> Selection::keep(std::string_view held) {
 }
 
 void Selection::choose(const std::string& kind) {
-    constexpr std::string_view kOfKind =
-        "SELECT count(*) FROM session WHERE ?1 IN ('all', session_kind)";
-    constexpr std::string_view kRefused =
-        "SELECT count(DISTINCT participant.participant_id) FROM session JOIN participant USING "
-        "(participant_id) WHERE ?1 IN ('all', session_kind) AND consent = 0";
     database_.run(
         "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN participant "
         "USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS NOT 0 AND "
         "withdrawn_reason IS NULL",
         kind);
-    if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(fmt::format(
-            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} simulated, "
-            "and {} not consent; --kind chooses",
-            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-            count(database_, kOfKind, "simulated"),
-            counted(count(database_, kRefused, kind), "participant does", "participants do")));
+    if (!database_.prepare("SELECT 1 FROM chosen LIMIT 1").step()) {
+        throw std::invalid_argument(no_session(database_, kind));
     }
 }
 

@@ -72,3 +72,58 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
     ended(exported(two, "csv", folder.file("two")));
     CHECK_THAT(slurp(folder.file("two/sessions.csv")), !Has(",fourtrials,1,"));
 }
+
+TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them",
+          "[export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran(run_words(yes_no(folder), "P1", file, {"--headless"}));
+    ended(exported(file, "quickpsy", folder.file("q")));
+    const std::string readme = slurp(folder.file("q/README.txt"));
+    const std::size_t from = readme.find("d <- ");
+    REQUIRE(from != std::string::npos);
+    write(folder.file("q/read.R"), readme.substr(from, readme.find("quickpsy::") - from) +
+                                       "cat(unique(d$condition), class(d$x), class(d$k))\n");
+    if (has_r()) {
+        const Finished r =
+            Process({"sh", "-c", "cd '" + folder.file("q") + "' && Rscript read.R"}).wait();
+        CAPTURE(r.error);
+        CHECK(r.out == "01 1 integer integer");
+    }
+}
+
+TEST_CASE("an export without a session, or without ticks, says why there are none",
+          "[export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const std::string out = folder.file("out");
+    ran({"simulate", yes_no(folder), "--participants", "2", "--no-traces", "--db", file});
+    check_end(palpate_command({"export", file, "--kind", "all", "--traces", "-o", out}), 2,
+              Has("no session here has ticks", "export without --traces"));
+    ran({"session", file, "S000001", "1", "--withdraw", "ill"});
+    ran({"participant", file, "S000002", "--consent", "no"});
+    check_end(exported(file, "csv", out), 2,
+              Has("no session to export: of 2 sessions 1 is withdrawn, and 1 is of who does not "
+                  "consent\n"));
+    check_end(palpate_command({"export", file, "--kind", "real", "-o", out}), 2,
+              Has("no real session to export: of 0 real sessions 0 are withdrawn",
+                  "0 real, 0 pilot and 2 simulated: --kind chooses"));
+    CHECK_FALSE(std::filesystem::exists(out));
+}
+
+TEST_CASE("the folder of an export says first what it is", "[export]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});
+    for (const std::string format :
+         {"csv", "bids", "psych-ds", "procedure", "quickpsy", "psignifit", "psychopy"}) {
+        CAPTURE(format);
+        ended(exported(file, format, folder.file(format)));
+        const std::string readme = format == "bids"     ? "README"
+                                 : format == "psych-ds" ? "README.md"
+                                                        : "README.txt";
+        const Words lines = lines_in(slurp(folder.file(format + "/" + readme)));
+        CHECK_FALSE(lines.front().empty());
+    }
+    CHECK_THAT(slurp(folder.file("procedure/README.txt")), Has("CONFIG.toml", "palpate procedure"));
+}
