@@ -176,6 +176,12 @@ void export_procedures(const Exporting& to) {
     }
     refuse_if(runs == 0,
               "no session of the file has a rule that chooses stimuli: take another format");
+    write_whole(folder / "README.txt",
+                "A folder a run of a rule: CONFIG.toml is the rule with its random numbers, "
+                "RESPONSES.csv what was answered.\n"
+                "palpate procedure FOLDER/CONFIG.toml FOLDER/RESPONSES.csv replays it trial by "
+                "trial.\n"
+                "Marked answers are left out.\n");
 }
 
 /// In the order of ExportFormat.
@@ -241,6 +247,13 @@ ExportSummary export_file(const std::string& file,
     Selection selection(database, options);
     const std::string held = held_by(format);
     std::vector<NotTaken> not_taken = held.empty() ? std::vector<NotTaken>{} : selection.keep(held);
+    refuse_if(
+        options.traces && !database
+                               .prepare("SELECT 1 FROM trace_chunk JOIN trial USING (trial_id) "
+                                        "JOIN chosen USING (session_id) LIMIT 1")
+                               .step(),
+        "no session here has ticks, as of palpate simulate --no-traces: export without "
+        "--traces");
     kWriters.at(static_cast<std::size_t>(format))({database, selection, options, built.path()});
     analyse(database, Versions::apart);  // from here on without whom analyses do not see
     std::vector<LeftOut> left_out = left_out_everywhere(database, options.kind, false);

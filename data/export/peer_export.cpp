@@ -53,7 +53,9 @@ void export_quickpsy(const Exporting& to) {
     write_rows(counts(database), file);
     write_whole(folder / "README.txt",
                 "k of n answers at x were yes, or the comparison. In R, with quickpsy 0.1.6:\n\n"
-                "d <- read.csv('quickpsy.csv')\n"
+                "d <- read.csv('quickpsy.csv', na.strings = character(), colClasses = "
+                "c(participant = 'character',\n"
+                "    study = 'character', kind = 'character', condition = 'character'))\n"
                 "quickpsy::quickpsy(d, x, k, n, grouping = c('participant', 'study', 'kind', "
                 "'condition'))\n\n"
                 "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n");
@@ -110,7 +112,7 @@ void export_psychopy(const Exporting& to) {
             for (int column = 0; column < row.columns(); ++column) {
                 file.add(row.value(column));
             }
-            file.row(session.subject, session.number, session.kind, session.study);
+            file.row(session.subject, session.number, session.kind, session.label);
         }
         row.reset();
         file.close();

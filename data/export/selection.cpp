@@ -12,24 +12,54 @@
 namespace palpate::data {
 namespace {
 
-/// Letters and digits of a study's name, and a number where two would be the same.
-std::string label_of(std::string_view name, std::set<std::string>& taken) {
+/// Letters and digits of a study's name.
+std::string plain_name(std::string_view name) {
     std::string plain;
     for (const char c : name) {
         const bool keep =
             (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
         plain += keep ? std::string(1, c) : "";
     }
-    plain = plain.empty() ? "study" : plain;
-    std::string label = plain;
-    for (int n = 2; !taken.insert(label).second; ++n) {
-        label = fmt::format("{}x{}", plain, n);
-    }
-    return label;
+    return plain.empty() ? "study" : plain;
 }
 
-std::int64_t count(Database& database, std::string_view sql, const std::string& kind) {
-    return database.first(sql, kind).integer(0);
+/// What studies are called in names of files, by study_id. Of several with one name none has it
+/// alone: another that comes later would take its meaning.
+std::map<std::int64_t, std::string> study_labels(Database& database) {
+    std::map<std::string, std::map<std::int64_t, std::string>> studies;
+    for (const Statement& study : database.prepare(
+             "SELECT study_id, study_name, substr(protocol_sha256, 1, 8) FROM study")) {
+        studies[plain_name(study.text(1))][study.integer(0)] = study.text(2);
+    }
+    std::map<std::int64_t, std::string> labels;
+    for (const auto& [name, versions] : studies) {
+        for (const auto& [id, hash] : versions) {
+            labels[id] = versions.size() == 1 ? name : fmt::format("{}x{}", name, hash);
+        }
+    }
+    return labels;
+}
+
+/// Why there is nothing of a kind.
+std::string no_session(Database& database, const std::string& kind) {
+    Statement row = database.first(
+        "SELECT sum(asked), sum(asked AND consent IS NOT 0), sum(asked AND consent = 0), "
+        "sum(session_kind = 'real'), sum(session_kind = 'pilot'), sum(session_kind = 'simulated') "
+        "FROM (SELECT *, ?1 IN ('all', session_kind) AS asked FROM session) JOIN participant USING "
+        "(participant_id)",
+        kind);
+    const auto are = [&](int column) {
+        return counted(row.integer(column), "is", "are");
+    };
+    const std::string name = kind == "all" ? "session" : kind + " session";
+    const std::string text =
+        fmt::format("there is no {} to export: of {} {} withdrawn, and {} of who does not consent",
+                    name, counted(row.integer(0), name), are(1), are(2));
+    return kind == "all" ? text
+                         : fmt::format(
+                               "{}; the file has {} real, {} pilot and {} simulated: "
+                               "--kind chooses",
+                               text, row.integer(3), row.integer(4), row.integer(5));
 }
 
 }  // namespace
@@ -102,34 +132,18 @@ std::vector<NotTaken> Selection::keep(std::string_view held) {
 }
 
 void Selection::choose(const std::string& kind) {
-    constexpr std::string_view kOfKind =
-        "SELECT count(*) FROM session WHERE ?1 IN ('all', session_kind)";
-    constexpr std::string_view kRefused =
-        "SELECT count(DISTINCT participant.participant_id) FROM session JOIN participant USING "
-        "(participant_id) WHERE ?1 IN ('all', session_kind) AND consent = 0";
     database_.run(
         "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN participant "
         "USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS NOT 0 AND "
         "withdrawn_reason IS NULL",
         kind);
-    if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(fmt::format(
-            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} simulated, "
-            "and {} not consent; --kind chooses",
-            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-            count(database_, kOfKind, "simulated"),
-            counted(count(database_, kRefused, kind), "participant does", "participants do")));
+    if (!database_.prepare("SELECT 1 FROM chosen LIMIT 1").step()) {
+        throw std::invalid_argument(no_session(database_, kind));
     }
 }
 
 void Selection::name_subjects() {
-    std::map<std::int64_t, std::string> labels;
-    std::set<std::string> taken;
-    for (const Statement& study :
-         database_.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256")) {
-        labels[study.integer(0)] = label_of(study.text(1), taken);
-    }
+    const std::map<std::int64_t, std::string> labels = study_labels(database_);
     Statement session = database_.prepare(
         "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
         "study_title, participant.subject, session_kind FROM chosen JOIN session USING "

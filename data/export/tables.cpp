@@ -37,7 +37,10 @@ std::string of_comparison(const char* column) {
 const std::vector<ExportColumn> kComputed{
     {"subject", "text", "", "the participant, in every export: a number that says nothing",
      "chosen.subject"},
-    {"study_label", "text", "", "the study, as in sessions", "chosen.label"},
+    {"study_label", "text", "",
+     "the study: letters and digits of its id; where the file has several of these, with x and "
+     "the first 8 digits of protocol_sha256",
+     "chosen.label"},
     {"session_number", "integer", "1",
      "the participant's sessions of the study, counted from 1 among those of this export",
      "chosen.session_number"},

@@ -146,6 +146,10 @@ public:
           session_(session),
           anew_(anew),
           head_(first_head(database, session)),
+          breaks_(study_breaks(
+              database,
+              database.first("SELECT study_id FROM session WHERE session_id = ?1", session)
+                  .integer(0))),
           events_(database.prepare("SELECT event.event_id, seal, event_kind, coalesce(trial_id, 0) "
                                    "FROM event WHERE session_id = ?1 ORDER BY event_id")) {
         events_.bind(1, session);
@@ -250,10 +254,10 @@ private:
     std::int64_t session_;
     bool anew_;
     std::string head_;
+    std::vector<ChainBreak> breaks_;
     Statement events_;
     std::int64_t seen_ = 0;
     std::size_t links_ = 0;
-    std::vector<ChainBreak> breaks_;
 };
 
 }  // namespace

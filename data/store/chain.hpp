@@ -8,6 +8,7 @@
 
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
+#include "data/store/study_row.hpp"
 
 /// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's
 /// end carry the head that they made. Who edits, removes or reorders anything before a head has to
@@ -80,15 +81,8 @@ void chain_anew(Database& database, std::int64_t session);
 /// @throws StoreError if it has not: something wrote over it
 [[nodiscard]] std::string kept_head(Database& database, std::int64_t session, std::size_t breaks);
 
-/// A value that is not the one that was chained.
-struct ChainBreak {
-    std::int64_t trial = 0;  ///< 0: of the session as a whole
-    std::string what;        ///< table.column; of an event which
-    std::string stored;
-    std::string recomputed;
-};
-
-/// Every head that is not what its session's rows give, and every mark whose answer says otherwise.
+/// Every head that is not what its session's rows give, every mark whose answer says otherwise, and
+/// what of its study is not what the text says (study_breaks()).
 [[nodiscard]] std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session);
 
 }  // namespace palpate::data

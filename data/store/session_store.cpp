@@ -12,6 +12,7 @@
 #include "data/store/row.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/stored_progress.hpp"
+#include "data/store/study_row.hpp"
 #include "data/store/uuid.hpp"
 #include "data/store/written_rows.hpp"
 
@@ -25,9 +26,11 @@ std::int64_t study_row(Database& database, const SessionSpec& spec) {
         .set("protocol_sha256", spec.protocol_hash)
         .set("protocol_toml", protocols::to_toml(spec.protocol))
         .insert(database, "ON CONFLICT (protocol_sha256) DO NOTHING");
-    return database
-        .first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", spec.protocol_hash)
-        .integer(0);
+    const std::int64_t id =
+        database.first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", spec.protocol_hash)
+            .integer(0);
+    require_study(database, id);
+    return id;
 }
 
 Row session_row(Database& database, const SessionSpec& spec) {
@@ -75,15 +78,14 @@ std::int64_t create(Database& database,
             .set("value", value)
             .insert(database);
     }
-    for (const Row& column : trace_column_rows()) {
-        column.insert(database, "ON CONFLICT DO NOTHING");
-    }
+    keep_trace_columns(database);
     note_at_beginning(database, session);
     return session;
 }
 
 struct Existing {
     std::int64_t id = 0;
+    std::int64_t study = 0;
     std::string protocol_hash, plan_hash, kind, seed, operator_name, protocol_toml;
     bool over = false;  ///< withdrawn, or run under another code or number
     bool finished = false;
@@ -124,13 +126,14 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
     Statement row = database.prepare(
         "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, finished, "
         "coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL, "
-        "protocol_toml FROM session JOIN study USING (study_id) JOIN participant USING "
+        "protocol_toml, study_id FROM session JOIN study USING (study_id) JOIN participant USING "
         "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND session_number = ?3",
         spec.protocol.id, spec.key.participant, spec.key.session);
     if (!row.step()) {
         return std::nullopt;
     }
     return Existing{.id = row.integer(0),
+                    .study = row.integer(9),
                     .protocol_hash = row.text(1),
                     .plan_hash = row.text(2),
                     .kind = row.text(3),
@@ -241,6 +244,7 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
     if (there && planned_anew(database, *there, spec)) {
         opened.resumed = false;
     } else if (there) {
+        require_study(database, there->study);
         require_same(database, *there, spec);
         require_same_device(database, *there, spec);
         note_changes(database, *there, spec);

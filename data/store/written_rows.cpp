@@ -3,6 +3,9 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
+#include "engine/base/refuse.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "data/store/stored_progress.hpp"
@@ -86,6 +89,33 @@ std::vector<Row> trace_column_rows() {
             .set("part", part_name(c.part));
     }
     return rows;
+}
+
+void keep_trace_columns(Database& database) {
+    for (const Row& column : trace_column_rows()) {
+        column.insert(database, "ON CONFLICT DO NOTHING");
+    }
+}
+
+void require_trace_columns(Database& database, std::string_view file) {
+    Database right("the catalogue", Access::memory);
+    keep_trace_columns(right);
+    constexpr std::string_view kColumns =
+        "codec, column_position, name, type, unit, scale, rule, part";
+    Statement row = database.prepare(fmt::format("SELECT {} FROM trace_column", kColumns));
+    Statement known = right.prepare(fmt::format(
+        "SELECT 1 FROM trace_column WHERE ({}) IS (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)", kColumns));
+    while (row.step()) {
+        for (int i = 0; i < row.columns(); ++i) {
+            known.bind(i + 1, row.value(i));
+        }
+        refuse_if<StoreError>(
+            !known.step(),
+            "{}: its trace_column is not how ticks are written (row {} of codec {}): it is damaged "
+            "or was changed; give a copy from before that",
+            file, row.integer(1), row.integer(0));
+        known.reset();
+    }
 }
 
 Row attempt_row(std::size_t position, std::int64_t attempt, const TrialDevice& device) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "protocols/design/plan.hpp"
@@ -24,6 +25,11 @@ namespace palpate::data {
                                                   const protocols::Plan& plan);
 /// The same in every file.
 [[nodiscard]] std::vector<Row> trace_column_rows();
+/// Rows that are there stay.
+void keep_trace_columns(Database& database);
+/// @param file  how to call it
+/// @throws StoreError if it says otherwise than this program how ticks are written
+void require_trace_columns(Database& database, std::string_view file);
 
 /// Of trial, what is known as an attempt begins. @param attempt  at this position, from 1
 [[nodiscard]] Row attempt_row(std::size_t position,

@@ -12,6 +12,7 @@
 #include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/sync/last_version.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
@@ -241,6 +242,7 @@ bool merge_into(Database& out,
     const Layout layout = catalogue_layout();
     PeopleMerge people(prefer);
     std::map<std::string, Versions> all;
+    require_trace_columns(out, out.file());
     collect(out, out.file(), layout, people, all);
     for (Input& input : inputs) {
         collect(input.database, input.name, layout, people, all);
@@ -267,7 +269,7 @@ bool merge_into(Database& out,
         destroyed = destroyed || one.last->destructions > 0;
     }
     for (Input& input : inputs) {
-        copy_shared(input.database, out, layout, input.name);
+        copy_shared(input.database, out, input.name);
     }
     drop_unused_secrets(out);
     return destroyed;

@@ -28,8 +28,8 @@ struct MergeReport {
 ///   session of `prefer` is or became, of which a notice says what is left out;
 /// - a session that was destroyed as one person's in one file, and is another's in a second, unless
 ///   `prefer` names one of them;
-/// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by
-///   hand;
+/// - a session whose chain of hashes does not hold (data/store/chain.hpp), or whose study is not
+///   what its text says: damaged, or edited by hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - a session of `file` that a program runs, and another file has gone on with;
 /// - all of a participant of palpate simulate of two secrets, who are two people;
@@ -42,7 +42,8 @@ struct MergeReport {
 /// the lesser is kept, and two people with one number are a conflict. What `file` itself holds
 /// stays, but for a session that `prefer` tells differently. The inputs are only read, also while a
 /// rig writes them.
-/// @throws StoreError if a file cannot be read or written: nothing was merged
+/// @throws StoreError if a file cannot be read or written, or says otherwise how ticks are written:
+/// nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs,
                                       const std::string& prefer = {});

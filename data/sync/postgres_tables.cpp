@@ -98,7 +98,6 @@ bool has_all(Postgres& server, const std::vector<PostgresTable>& tables) {
 Layout pushed_layout() {
     Layout layout = catalogue_layout();
     std::erase(layout.session.columns, "secret");
-    std::erase_if(layout.of_file, [](const OwnedTable& table) { return table.name == "secret"; });
     return layout;
 }
 
@@ -134,9 +133,7 @@ std::vector<PostgresTable> postgres_tables(const Layout& layout) {
     for (const OwnedTable& table : layout.of_trial) {
         tables.push_back(owned(database, table, of_trial, "trial_id"));
     }
-    for (const OwnedTable& table : layout.of_file) {
-        tables.push_back(owned(database, table, {}, ""));
-    }
+    tables.push_back(owned(database, layout.trace_column, {}, ""));
     return tables;
 }
 
@@ -195,15 +192,17 @@ std::string postgres_roles() {
            "REVOKE ALL ON SCHEMA palpate FROM PUBLIC;\n";
 }
 
-std::string postgres_insert(const PostgresTable& table) {
+PostgresRows postgres_rows(const PostgresTable& table) {
     std::vector<std::string> names;
     std::string places;
     for (const auto& [column, type] : table.columns) {
         names.push_back(column);
         places += fmt::format("{}${}", names.size() == 1 ? "" : ", ", names.size());
     }
-    return fmt::format("INSERT INTO palpate.{} ({}) VALUES ({}) ON CONFLICT DO NOTHING",
-                       quoted_name(table.name), quoted(names), places);
+    const std::string name = "palpate." + quoted_name(table.name);
+    return {.insert = fmt::format("INSERT INTO {} ({}) VALUES ({}) ON CONFLICT DO NOTHING", name,
+                                  quoted(names), places),
+            .same = fmt::format("SELECT 1 FROM {} WHERE ({}) = ({})", name, quoted(names), places)};
 }
 
 }  // namespace palpate::data

@@ -19,7 +19,7 @@ struct PostgresTable {
     std::vector<std::string> key;
 };
 
-/// catalogue_layout() without the file's secrets: who has one can compute whose an order is.
+/// catalogue_layout() without the secrets of sessions: who has one can compute whose an order is.
 [[nodiscard]] Layout pushed_layout();
 
 /// study, participant_note, session, session_end, trial, trial_invalid, event, and every table of
@@ -40,7 +40,11 @@ void require_schema(Postgres& server, const std::vector<PostgresTable>& tables);
 /// to be granted to people and programs.
 [[nodiscard]] std::string postgres_roles();
 
-/// INSERT of a row with all columns, parameters $1 and on; nothing happens if its key is there.
-[[nodiscard]] std::string postgres_insert(const PostgresTable& table);
+/// Statements of a row with all columns, parameters $1 and on.
+struct PostgresRows {
+    std::string insert;  ///< nothing happens if its key is there
+    std::string same;    ///< a row if it is there with these values, none of which is NULL
+};
+[[nodiscard]] PostgresRows postgres_rows(const PostgresTable& table);
 
 }  // namespace palpate::data

@@ -8,21 +8,15 @@
 
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
+#include "data/sync/push_shared.hpp"
 #include "data/sync/refusals.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {
 namespace {
-
-/// A row of a file, behind what the server's table has before it.
-PostgresRow with_row(PostgresRow before, const Statement& row) {
-    for (int column = 0; column < row.columns(); ++column) {
-        before.push_back(row.value(column));
-    }
-    return before;
-}
 
 class Push {
 public:
@@ -30,14 +24,15 @@ public:
         : database_(database), server_(server), layout_(pushed_layout()), choice_(choice) {
         report_.way = server.way();
         for (PostgresTable& table : postgres_tables(layout_)) {
-            insert_[table.name] = postgres_insert(table);
+            sql_[table.name] = postgres_rows(table);
             tables_.push_back(std::move(table));
         }
     }
 
     PushReport run(const std::string& file) {
+        require_trace_columns(database_, file);
         require_schema(server_, tables_);
-        push_shared();
+        report_.rows += push_shared(database_, server_, sql_, report_.conflicts);
         push_people();
         for (const SessionVersion& session : session_versions(database_, layout_, file)) {
             ++report_.sessions;
@@ -102,30 +97,11 @@ private:
     }
 
     void send(const std::string& table, const PostgresRow& row) {
-        server_.send(insert_.at(table), row);
+        server_.send(sql_.at(table).insert, row);
     }
 
     /// One transaction.
     void flush() { report_.rows += server_.flush(); }
-
-    /// Rows that several files have: two rigs that add them in other orders would wait for each
-    /// other.
-    void one_at_a_time() { server_.send("SELECT pg_advisory_xact_lock(1885432945)", {}); }
-
-    void push_shared() {
-        one_at_a_time();
-        for (const Statement& study : database_.prepare(
-                 "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study")) {
-            send("study", with_row({}, study));
-        }
-        for (const OwnedTable& table : layout_.of_file) {
-            for (const Statement& line :
-                 database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name))) {
-                send(table.name, with_row({}, line));
-            }
-        }
-        flush();
-    }
 
     /// Whether a score is of who refuses, or was destroyed: it is not sent, and named if it is
     /// there.
@@ -153,7 +129,7 @@ private:
             there[*row[0]].insert(*row[1]);
         }
         refusals_.read(server_);
-        one_at_a_time();
+        server_.send(std::string(kOneAtATime), {});
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT), consent IS 0, "
             "destroyed_utc IS NOT NULL AND handedness IS NULL FROM participant UNION ALL SELECT "
@@ -365,7 +341,7 @@ private:
     Postgres& server_;
     Layout layout_;
     std::vector<PostgresTable> tables_;
-    std::map<std::string, std::string> insert_;
+    std::map<std::string, PostgresRows> sql_;
     PushChoice choice_;
     std::set<std::string> begun_;  ///< uuids of sessions that the server has
     Refusals refusals_;            ///< by the server's notes before

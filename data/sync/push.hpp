@@ -32,17 +32,18 @@ struct PushReport {
 /// one goes on. Pushing twice is pushing once.
 ///
 /// Makes the schema `palpate` if it is not there and the user may, and adds again what somebody
-/// took away: rows are counted. Values that somebody changed beside a hash are not seen. In
-/// conflict are a session whose beginning, an attempt or an event that the server has otherwise, a
-/// study, participant and number that are there under another uuid (by the last event that says
-/// whose a session is; not if the session itself is there too, or the file has both), a
-/// participant's handedness, consent where somebody refused it before, and a session whose chain of
-/// hashes does not hold (data/store/chain.hpp): damaged, or edited by hand. Of who does not consent
-/// nothing is added but that they do not, as a row beside that of a yes before, and which sessions
-/// are theirs; a session or a handedness of theirs that is there is a conflict, and so is a
-/// handedness that was destroyed here. The server has each session as it was run: whose it is
-/// really, and that it was withdrawn, its events say.
+/// took away: rows are counted. Values that somebody changed beside a hash are not seen, but for
+/// those of a study and of trace_column. In conflict are these, a session whose beginning, an
+/// attempt or an event that the server has otherwise, a study, participant and number that are
+/// there under another uuid (by the last event that says whose a session is; not if the session
+/// itself is there too, or the file has both), a participant's handedness, consent where somebody
+/// refused it before, and a session whose chain of hashes does not hold (data/store/chain.hpp):
+/// damaged, or edited by hand. Of who does not consent nothing is added but that they do not, as a
+/// row beside that of a yes before, and which sessions are theirs; a session or a handedness of
+/// theirs that is there is a conflict, and so is a handedness that was destroyed here. The server
+/// has each session as it was run: whose it is really, and that it was withdrawn, its events say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
+/// @throws StoreError if the file says otherwise than this program how ticks are written
 /// @throws PostgresError if the server fails: what was added stays
 [[nodiscard]] PushReport push_file(const std::string& file,
                                    const std::string& url,

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/refuse.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
+#include "data/store/written_rows.hpp"
 
 namespace palpate::data {
 namespace {
@@ -33,7 +33,8 @@ std::int64_t study_of(const SessionVersion& from, Database& out) {
         from.study);
     Statement add = out.prepare(
         "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES (?1, "
-        "?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING");
+        "?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO UPDATE SET (study_name, study_title, "
+        "protocol_toml) = (?1, ?2, ?4)");
     bind_row(row, add, 1).run();
     return out.first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", from.study)
         .integer(0);
@@ -160,22 +161,12 @@ void replace_session(const SessionVersion& from,
     add_session(from, out, layout);
 }
 
-void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {
-    for (const OwnedTable& table : layout.of_file) {
-        const std::string list = table.list();
-        const std::string places = table.places(1);
-        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", list, table.name));
-        Statement add = out.prepare(
-            fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, list, places));
-        Statement there = out.prepare(
-            fmt::format("SELECT 1 FROM {} WHERE ({}) IS ({})", table.name, list, places));
-        while (row.step()) {
-            bind_row(row, add, 1).run();
-            refuse_if<StoreError>(!bind_row(row, there, 1).step(),
-                                  "{}: {} differs from that of {}: nothing was merged", file,
-                                  table.name, out.file());
-            there.reset();
-        }
+void copy_shared(Database& from, Database& out, const std::string& file) {
+    require_trace_columns(from, file);
+    keep_trace_columns(out);
+    Statement add = out.prepare("INSERT OR IGNORE INTO secret (hex) VALUES (?1)");
+    for (const Statement& row : from.prepare("SELECT hex FROM secret")) {
+        bind_row(row, add, 1).run();
     }
 }
 
@@ -183,7 +174,7 @@ void append_session(Database& from, Database& out, const Layout& layout) {
     const SessionVersion session = session_versions(from, layout, from.file(), false).at(0);
     participant_row(out, session.participant, own_secret(from));
     add_session(session, out, layout);
-    copy_shared(from, out, layout, from.file());
+    copy_shared(from, out, from.file());
 }
 
 }  // namespace palpate::data

@@ -5,6 +5,7 @@
 namespace palpate::data {
 
 /// Copies a session that `out` does not have, with its study, into it. Its participant is there.
+/// @pre its study is what the text says (study_breaks()): so it becomes in `out`
 void add_session(const SessionVersion& from, Database& out, const Layout& layout);
 
 /// Brings `own`, a session of `out`, to what it became in `from`. Its rows keep their ids.
@@ -20,9 +21,10 @@ void replace_session(const SessionVersion& from,
                      Database& out,
                      const Layout& layout);
 
-/// Copies what is nobody's in a file (Layout::of_file): how traces are written, secrets.
-/// @throws StoreError where `out` says otherwise
-void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file);
+/// Copies what is nobody's in a file: secrets; how traces are written is the same in all.
+/// @param file  how to call `from`
+/// @throws StoreError where `from` says that they are written otherwise
+void copy_shared(Database& from, Database& out, const std::string& file);
 
 /// Copies the one session of `from`, with its participant, into `out`, which does not have it. In
 /// the caller's transaction, with deferred foreign keys.

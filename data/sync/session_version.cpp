@@ -122,6 +122,9 @@ std::string session_row(Database& database, const OwnedTable& part, std::int64_t
 std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
     std::string head =
         fmt::format("{} {} {} ", session.study, session.run_code, session.run_number) +
+        row_bytes(database.first(
+            "SELECT study_name, study_title, protocol_toml FROM study WHERE protocol_sha256 = ?1",
+            session.study)) +
         session_row(database, layout.session, session.id);
     for (const OwnedTable& table : layout.of_session) {
         head += rows_of(database, table, "session_id", session.id);
@@ -192,11 +195,10 @@ Layout catalogue_layout() {
             layout.of_trial.push_back(without(table, {"trial_id"}));
         } else if (table.find("session_id") != nullptr) {
             layout.of_session.push_back(without(table, {"session_id"}));
-        } else if (table.find("participant_id") == nullptr) {  // PeopleMerge has these
-            layout.of_file.push_back(without(table, {}));
         }
     }
-    for (auto* part : {&layout.of_trial, &layout.of_session, &layout.of_file}) {
+    layout.trace_column = without(*find_table("trace_column"), {});
+    for (auto* part : {&layout.of_trial, &layout.of_session}) {
         std::ranges::sort(*part, {}, &OwnedTable::name);
     }
     return layout;

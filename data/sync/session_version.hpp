@@ -32,7 +32,7 @@ struct OwnedTable {
 struct Layout {
     std::vector<OwnedTable> of_session;  ///< plan, picture, ...: set before the first trial
     std::vector<OwnedTable> of_trial;    ///< response, trace_chunk, ...
-    std::vector<OwnedTable> of_file;     ///< trace_column: nobody's, the same in every file; secret
+    OwnedTable trace_column;             ///< nobody's, the same in every file
     /// Set before the first trial: without session_id, study_id, participant_id, newest_seal.
     OwnedTable session;
     OwnedTable session_end;      ///< set when it finished

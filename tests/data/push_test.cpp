@@ -2,6 +2,7 @@
 #include "data/sync/push.hpp"
 #include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
@@ -168,6 +169,41 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
         CHECK(content(server->url()) == before);
         std::filesystem::remove(other + "-wal");
         std::filesystem::remove(other + "-shm");
+    }
+}
+
+TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be wrong on a server",
+          "[push][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    for (const auto& [edit, says] :
+         {std::pair{"study SET protocol_toml = replace(protocol_toml, 'force_limit_n = 10', "
+                    "'force_limit_n = 9')",
+                    "was changed since"},
+          {"study SET study_title = 'Another'", "was changed since"},
+          {"study SET study_name = 'another'", "was changed since"},
+          {"trace_column SET scale = 2 * scale",
+           "its trace_column is not how ticks are written"}}) {
+        CAPTURE(edit);
+        const std::string url =
+            new_database(*server, fmt::format("db{}", std::hash<std::string>()(edit)));
+        const std::string other = folder.file("other.sqlite");
+        std::filesystem::copy_file(file, other, std::filesystem::copy_options::overwrite_existing);
+        sql_edit(other, fmt::format("UPDATE {}", edit));
+        check_end(palpate_command({"push", other, "--to", url}), 1, Has(says));
+        ran({"push", file, "--to", url});
+        const std::string whole = content(url);
+        CHECK(palpate_command({"push", other, "--to", url}).code == 1);
+        CHECK(content(url) == whole);
+        // As if it was there before.
+        Postgres admin(url);
+        admin.run(fmt::format("UPDATE palpate.{}", edit));
+        check_end(palpate_command({"push", file, "--to", url}), 1,
+                  Has("conflict: ", "the server has it otherwise in palpate."));
+        admin.run("DELETE FROM palpate.study; DELETE FROM palpate.trace_column");
+        ran({"push", file, "--to", url});
+        CHECK(content(url) == whole);
     }
 }
 

@@ -347,3 +347,29 @@ TEST_CASE(
         CHECK(run(" | true").error.find("cannot be written") == std::string::npos);
     }
 }
+
+TEST_CASE("a file that may not grow is as a full disk: a sentence, and nothing half-made",
+          "[cli][disk][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
+    std::filesystem::create_directory(folder.file("made"));
+    for (const std::string& words :
+         {"export '" + file + "' --kind all --traces -o out", "merge all.sqlite '" + file + "'",
+          std::string("simulate shape_friction_demo --participants 9 --db s.sqlite"),
+          std::string("run shape_friction_demo --participant P2 --headless --db r.sqlite")}) {
+        CAPTURE(words);
+        const Finished end = Process({"bash", "-c",
+                                      "cd '" + folder.file("made") + "' && ulimit -f 200 && '" +
+                                          palpate_program() + "' " + words})
+                                 .wait();
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 1);
+        CHECK(lines_in(end.error).back().starts_with("palpate: "));
+        for (const auto& entry : std::filesystem::directory_iterator(folder.file("made"))) {
+            const std::string name = entry.path().filename();
+            CAPTURE(name);
+            CHECK((name.starts_with("r.sqlite") || name.starts_with("s.sqlite")));
+        }
+    }
+}

@@ -202,7 +202,7 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         REQUIRE(rows.size() == wanted.size() + 1);
         for (std::size_t i = 0; i < wanted.size(); ++i) {
             const std::string plain = all_replaced(wanted[i], "\"\"", "");
-            CHECK_THAT(rows[i + 1], Has(plain + ',', "," + subject + ",1,simulated,four_trials"));
+            CHECK_THAT(rows[i + 1], Has(plain + ',', "," + subject + ",1,simulated,fourtrials"));
         }
     }
     CHECK(files == 2);

@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
@@ -87,6 +88,7 @@ int said(const std::exception& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is as a full disk
     try {
         const std::vector<Command> commands = all_commands();
         const ParseResult parsed = parse_command_line(commands, PALPATE_VERSION, argc, argv);
