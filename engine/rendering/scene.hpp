@@ -59,7 +59,6 @@ struct Contact {
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
     /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
-    /// Out of contact: the object still goes back to its rest.
     bool outside_cone = false;
     bool unproven = false;  ///< the walk was broken off: never seen
     bool refused = false;   ///< HIP was not finite: force zero, contact ended
