@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/deformation/soft_shape.hpp"
 #include "engine/friction/friction_law.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/laws/law.hpp"
+#include "engine/geometry/arc_length.hpp"
 #include "engine/rendering/approach.hpp"
 #include "engine/rendering/mode.hpp"
 
@@ -222,8 +222,8 @@ private:
     Step step_;
     Step smooth_ = nullptr;  ///< the frictionless tick below a law's
     FrictionLaw law_;
-    std::vector<double> begins_;  ///< of each span along the outline, m; for a law of its own
-    double size_ = 0.0;           ///< no coordinate of the outline is larger, m; as begins_
+    ArcLength lengths_;  ///< of the outline; for a law of its own
+    double size_ = 0.0;  ///< no coordinate of the outline is larger, m; as lengths_
     std::shared_ptr<const SoftShape> soft_;
 };
 
