@@ -200,7 +200,7 @@ private:
         if (s.excess <= 0.0 || !goes(s.tau)) {
             return settle_at(s);
         }
-        if (budget_ < kNever) {
+        if (budget_ < kNever && seam.kind == SeamKind::convex) {
             used_ = std::max(used_, driven_from(seam.point, s) * budget_);
         }
         if (used_ >= budget_) {

@@ -24,8 +24,7 @@ enum TickFlag : std::uint8_t {
     tick_fault = 1U << 3U,      ///< the safety chain has tripped; the command is zero
     /// out of reach: nothing was computed, go is the last closest point that was looked for
     tick_skipped = 1U << 4U,
-    /// the GO stopped outside its cone (vertex slew, an open end): the force is cut; of a free
-    /// tick: an object that yields has not come back to its rest
+    /// the GO stopped outside its cone (vertex slew, an open end): the force is cut
     tick_outside_cone = 1U << 5U,
     tick_force_slew = 1U << 6U,  ///< the command changed as fast as the force slew allows
     tick_stale = 1U << 7U,       ///< no new reading: the last HIP was used again
@@ -62,12 +61,6 @@ struct TickRecord {
     std::uint8_t flags = 0;  ///< TickFlag bits
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
-
-/// The tick belongs to an episode of the energy ledger: a contact, and what an object that yields
-/// stores of it.
-[[nodiscard]] inline bool in_episode(const TickRecord& tick) noexcept {
-    return tick.mode != Mode::free || (tick.flags & tick_outside_cone) != 0;
-}
 
 /// Sets the columns that follow from the scene and HIP (go to mode, and the scene's flags) and
 /// leaves the others alone: no force needs the closest point, a replay finds it. Servo and replay

@@ -17,13 +17,17 @@ namespace palpate::engine {
 ///     balance = work - leak <= 0                       from E = K/2 |GO - HIP|^2, which it never
 ///     raises
 ///
-/// to rounding, whatever the path and mu(t). What is above 0 was made by something else: the vertex
-/// slew's cap, a damper with B < 0, a defect.
+/// to rounding, whatever the path and mu(t). An object that yields keeps energy between episodes and
+/// gives back in one what another left there: their balances add up, from its rest at the first of
+/// them on, and the sum at the end of each is at most 0. What is above 0 was made by something else:
+/// the vertex slew's cap, a damper with B < 0, a defect.
 template <int D>
 class EnergyLedger {
 public:
     /// @param stiffness  K, N/m, > 0
-    explicit EnergyLedger(double stiffness) : half_(0.5 * stiffness) {}
+    /// @param yields     the object keeps energy between episodes, which add up
+    explicit EnergyLedger(double stiffness, bool yields = false)
+        : half_(0.5 * stiffness), yields_(yields) {}
 
     /// The next tick: HIP, the force held from it on, and whether there is contact.
     void add(const Vec<D>& hip, const Vec<D>& force, bool touching) noexcept {
@@ -33,7 +37,7 @@ public:
             balance_ += glm::dot(force_, step) - leak;
         } else if (touching) {
             ++episodes_;
-            balance_ = started_ ? -leak : -glm::dot(force, force) / (4.0 * half_);
+            balance_ += started_ ? -leak : -glm::dot(force, force) / (4.0 * half_);
         }
         if (touching_ && !touching) {
             note();
@@ -44,9 +48,10 @@ public:
         force_ = force;
     }
 
-    /// Episodes of contact begun so far.
+    /// Episodes of contact begun so far: times that HIP came into contact.
     [[nodiscard]] std::int64_t episodes() const noexcept { return episodes_; }
-    /// Largest balance of an episode, the running one included, J; 0 before the first.
+    /// Largest balance of an episode (if the object yields: of all up to one), the running one
+    /// included, J; 0 before the first.
     [[nodiscard]] double worst() const noexcept {
         if (!touching_) {
             return worst_;
@@ -57,10 +62,11 @@ public:
 private:
     void note() noexcept {
         worst_ = episodes_ == 1 ? balance_ : std::max(worst_, balance_);
-        balance_ = 0.0;
+        balance_ = yields_ ? balance_ : 0.0;
     }
 
     double half_;
+    bool yields_;
     bool started_ = false;
     bool touching_ = false;
     Vec<D> hip_{};

@@ -12,21 +12,6 @@ namespace {
 constexpr double kFarTravel = 1e3;
 constexpr double kHardLoad = 1e9;
 
-/// Where each span begins along the outline, and where the last ends, m: by chords.
-std::vector<double> begins_of(const Outline& outline) {
-    constexpr int kChords = 64;
-    std::vector<double> begins{0.0};
-    for (const RationalBezier<2>& span : outline.spans()) {
-        double length = 0.0;
-        for (int i = 0; i < kChords; ++i) {
-            length += glm::length(span.at(static_cast<double>(i + 1) / kChords).point -
-                                  span.at(static_cast<double>(i) / kChords).point);
-        }
-        begins.push_back(begins.back() + length);
-    }
-    return begins;
-}
-
 }  // namespace
 
 void Scene::add_law() {
@@ -34,10 +19,10 @@ void Scene::add_law() {
         return;
     }
     law_ = FrictionLaw(spec_.law, spec_.friction, spec_.stiffness, spec_.period);
-    if (begins_.empty()) {
-        begins_ = begins_of(*outline_);
+    if (lengths_.whole() == 0.0) {
+        lengths_ = ArcLength(*outline_);
         const Vec2 begin = outline_->spans().front().at(0.0).point;
-        size_ = begins_.back() + std::fabs(begin.x) + std::fabs(begin.y);
+        size_ = lengths_.whole() + std::fabs(begin.x) + std::fabs(begin.y);
     }
     if (step_ != &Scene::rubbed) {
         smooth_ = step_;
@@ -80,13 +65,12 @@ Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
     return contact;
 }
 
-/// Where a place lies along the outline, m: in proportion to u on its span.
+/// Where a place lies along the outline, m.
 double Scene::along(const Place& place) const noexcept {
     if (place.on_seam) {
-        return begins_[outline_->seams()[place.index].before + 1];
+        return lengths_.at(outline_->seams()[place.index].before, 1.0);
     }
-    const double begin = begins_[place.index];
-    return begin + place.parameter * (begins_[place.index + 1] - begin);
+    return lengths_.at(place.index, place.parameter);
 }
 
 }  // namespace palpate::engine

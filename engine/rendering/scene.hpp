@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/deformation/soft_shape.hpp"
 #include "engine/friction/friction_law.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/laws/law.hpp"
+#include "engine/geometry/arc_length.hpp"
 #include "engine/rendering/approach.hpp"
 #include "engine/rendering/mode.hpp"
 
@@ -59,7 +59,6 @@ struct Contact {
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
     /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
-    /// Out of contact: the object still goes back to its rest.
     bool outside_cone = false;
     bool unproven = false;  ///< the walk was broken off: never seen
     bool refused = false;   ///< HIP was not finite: force zero, contact ended
@@ -223,8 +222,8 @@ private:
     Step step_;
     Step smooth_ = nullptr;  ///< the frictionless tick below a law's
     FrictionLaw law_;
-    std::vector<double> begins_;  ///< of each span along the outline, m; for a law of its own
-    double size_ = 0.0;           ///< no coordinate of the outline is larger, m; as begins_
+    ArcLength lengths_;  ///< of the outline; for a law of its own
+    double size_ = 0.0;  ///< no coordinate of the outline is larger, m; as lengths_
     std::shared_ptr<const SoftShape> soft_;
 };
 

@@ -11,9 +11,9 @@
 /// place on the material, and then goes on along the new shape to where its stretch fits the cone.
 /// With E = K/2 |GO - HIP|^2 and what the curves store and move with, a tick begins with F_k .
 /// (h_k+1 - h_k) = E_k - E' + K/2 |h_k+1 - h_k|^2 as on a rigid object; the step of the curves and
-/// the walk only lower the sum, and so does whatever ends a contact. So from rest to rest the user
-/// gets no more than the leak of the ledger (engine/rendering/energy_ledger.hpp), for any K, c and
-/// T.
+/// the walk only lower the sum, and so does whatever ends a contact. The curves keep what a contact
+/// left in them for the next. So it is from the first contact on, all together, that the user gets
+/// no more than the leak of the ledger (engine/rendering/energy_ledger.hpp), for any K, c and T.
 namespace palpate::engine {
 
 void Scene::add_softness() {
@@ -30,7 +30,6 @@ Contact Scene::waning(ContactState& state) const noexcept {
     state.theta = 1.0;
     Contact contact = state.away;
     contact.skipped = false;
-    contact.outside_cone = state.soft.moving;
     return contact;
 }
 

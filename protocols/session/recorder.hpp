@@ -70,9 +70,9 @@ struct TrialSummary {
     bool sticks = true;                      ///< there is friction: without, nothing can stick
     Deciles speed{};                         ///< m/s, see ExplorationMeter
     Deciles normal_force{};                  ///< N, rendered, of contact ticks
-    double covered_share = 0.0;  ///< share of the outline that was visited, see OutlineCover
-    std::int64_t contact_episodes = 0;
-    double worst_episode_j = 0.0;  ///< largest balance (engine::EnergyLedger), <= 0: passive
+    double covered_share = 0.0;         ///< share of the outline that was visited, see OutlineCover
+    std::int64_t contact_episodes = 0;  ///< times that HIP came into contact
+    double worst_episode_j = 0.0;       ///< of engine::EnergyLedger, <= 0: passive
     std::optional<double> first_contact_s;  ///< since the first tick
 };
 

@@ -9,7 +9,9 @@
 namespace palpate::protocols {
 
 TrialMeter::TrialMeter(double stiffness, const engine::SceneView& scene)
-    : ledger_(stiffness), exploration_(scene), in_space_(scene.space != nullptr) {
+    : ledger_(stiffness, scene.plane != nullptr && scene.plane->soft() != nullptr),
+      exploration_(scene),
+      in_space_(scene.space != nullptr) {
     const engine::SceneSpec* spec = scene.plane != nullptr ? &scene.plane->spec()
                                   : scene.space != nullptr ? &scene.space->spec().contact
                                                            : nullptr;
@@ -126,7 +128,8 @@ constexpr Measure kMeasures[] = {
     measure<sum, &S::energy_j>("energy_j", 15, 0, "work done on the user; NULL: as above", Needs::force),
     measure<sum, &S::contact_episodes>("contact_episodes", 16, 0, "times that HIP came into contact"),
     measure<worst, &S::worst_episode_j>("worst_episode_j", 17, 0,
-        "most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive; NULL: no force", Needs::force),
+        "most energy an episode (with a compliance: all up to one, for the object keeps some between "
+        "them) gave beyond K/2 sum |dh|^2; <= 0: passive; NULL: no force", Needs::force),
     measure<first, &S::first_contact_s>("first_contact_s", 0, 0, ""),
 };
 // clang-format on
@@ -166,7 +169,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         }
         sum_.start = started_ ? sum_.start : engine::Vec2(tick.hip);
         started_ = true;
-        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
+        ledger_.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
         last_hip_ = tick.hip;
         last_force_ = tick.force;
         last_time_ = tick.time_ns;

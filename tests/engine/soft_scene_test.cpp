@@ -74,21 +74,32 @@ struct Episodes {
     double worst = -std::numeric_limits<double>::infinity();  ///< J
 };
 
-/// What a hand gets out of one object, from rest to rest. Every tick is held to the friction cone.
+/// What a hand gets out of one object, from each rest on. Every tick is held to the friction cone.
 Episodes episodes(unsigned seed, int ticks) {
     Random random(seed);
     const SceneSpec spec = soft_spec(random);
     const Scene scene(arcs(random.in(-20.0, 30.0)), spec);
     RoamingHand hand(random);
     ContactState state;
-    EnergyLedger<2> ledger(spec.stiffness);
+    Episodes all;
+    EnergyLedger<2> ledger(spec.stiffness, true);
+    const auto note = [&] {
+        if (ledger.episodes() > 0) {
+            all = {all.count + ledger.episodes(), std::max(all.worst, ledger.worst())};
+        }
+    };
     for (int i = 0; i < ticks; ++i) {
         const Vec2 hip = hand.next();
         const Contact c = scene.tick(state, hip);
         const bool touching = c.mode != Mode::free;
-        ledger.add(hip, c.force, touching || c.outside_cone);
+        ledger.add(hip, c.force, touching);
+        if (!touching && !state.soft.moving) {
+            note();
+            ledger = EnergyLedger<2>(spec.stiffness, true);
+            ledger.add(hip, {}, false);
+        }
         REQUIRE_FALSE(c.unproven);
-        REQUIRE_FALSE((touching && c.outside_cone));
+        REQUIRE_FALSE(c.outside_cone);
         REQUIRE(std::isfinite(c.force.x + c.force.y));
         const Vec2 pull = touching ? c.force - spec.stiffness * (c.go - hip) : c.force;
         REQUIRE(glm::length(pull) == 0.0);
@@ -96,7 +107,8 @@ Episodes episodes(unsigned seed, int ticks) {
         const double cone = c.mu * c.normal_force + 1e-9 * spec.stiffness;
         REQUIRE((!touching || c.place.on_seam || std::fabs(c.tangential_force) <= cone));
     }
-    return {ledger.episodes(), ledger.worst()};
+    note();
+    return all;
 }
 
 /// HIP from its start to `to`, and there for two seconds.
@@ -152,7 +164,7 @@ TEST_CASE(
     CHECK(scene.soft()->compliance_at({1, 0.0}) == Approx(c).epsilon(1e-12));
 }
 
-TEST_CASE("from rest to rest a soft object gives no more energy than sampling leaks",
+TEST_CASE("from its rest on a soft object gives no more energy than sampling leaks",
           "[soft][law]") {
     SEED(40U);
     const Episodes all = episodes(seed, 4000);

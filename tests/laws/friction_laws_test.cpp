@@ -105,6 +105,79 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("snags lie by the length of an edge, whatever its knots and weights", "[friction][law]") {
+    const TemporaryFolder folder;
+    std::string path = "t_s,x_m,y_m\n";
+    for (int i = 0; i < 3000; ++i) {
+        path += fmt::format("{},{},{}\n", 1e-3 * i, -0.1495 + 299e-3 / 3000 * i,
+                            0.001 - std::min(5e-3, 1e-3 * i));
+    }
+    std::ofstream(folder.file("t.csv")) << path;
+    const auto catches = [&](const std::string& segment) {
+        std::ofstream(folder.file("s.toml"))
+            << "[friction]\nlaw = \"snags\"\nmu_s = 0.11\nmu_d = 0.1\nsnag_spacing_m = "
+               "0.01\nlaw_seed = 5\n[[segment]]\n"
+            << segment;
+        std::vector<std::string> at;
+        std::string before = "STUCK";
+        for (const Words& tick :
+             csv_body(ran({"render", folder.file("s.toml"), folder.file("t.csv")}).out)) {
+            if (tick[1] == "STUCK" && before != "STUCK") {
+                at.push_back(tick[0]);
+            }
+            before = tick[1];
+        }
+        return at;
+    };
+    const auto line = catches("kind = \"line\"\nfrom_m = [-0.15, 0]\nto_m = [0.15, 0]\n");
+    CHECK(line.size() >= 28);  // of 30, of which one may lie in the catch of another
+    for (const char* const nurbs :
+         {"degree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
+          "points_m = [[-0.15, 0], [-0.14, 0], [-0.13, 0], [0.15, 0]]\n",
+          "degree = 2\nknots = [0, 0, 0, 1, 1, 1]\nweights = [1, 0.05, 1]\n"
+          "points_m = [[-0.15, 0], [0, 0], [0.15, 0]]\n",
+          "degree = 1\nknots = [0, 0, 0.9, 1, 1]\npoints_m = [[-0.15, 0], [-0.1, 0], [0.15, "
+          "0]]\n"}) {
+        CAPTURE(nurbs);
+        CHECK(catches(std::string("kind = \"nurbs\"\n") + nurbs) == line);
+    }
+}
+
+TEST_CASE("under a vertex slew knots that change nothing change no force", "[friction][law]") {
+    const TemporaryFolder folder;
+    std::string path = "t_s,x_m,y_m\n";
+    for (int i = 0; i < 300; ++i) {  // deep, about the centre of curvature: its god-object runs
+        path += fmt::format("{},{},{}\n", 1e-3 * i, 0.007 * std::cos(0.1 * i),
+                            0.0585 + 0.0015 * std::sin(0.2 * i));
+    }
+    std::ofstream(folder.file("t.csv")) << path;
+    const auto rendered = [&](const std::string& nurbs) {
+        std::ofstream(folder.file("s.toml"))
+            << "[friction]\nlaw = \"frictionless\"\nvertex_slew_m_per_s = 0.2\n"
+               "[[segment]]\nkind = \"nurbs\"\ndegree = 3\n"
+            << nurbs << "[[segment]]\nkind = \"line\"\nfrom_m = [0.03, 0]\nto_m = [-0.03, 0]\n";
+        return csv_body(ran({"render", folder.file("s.toml"), folder.file("t.csv")}).out);
+    };
+    const Rows whole = rendered(
+        "knots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
+        "points_m = [[-0.03, 0], [-0.03, 0.09], [0.03, 0.09], [0.03, 0]]\n");
+    const Rows cut = rendered(  // the same curve, three knots inserted
+        "knots = [0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1]\n"
+        "points_m = [[-0.03, 0], [-0.03, 0.0225], [-0.0225, 0.05625], [0, 0.073125], "
+        "[0.0225, 0.05625], [0.03, 0.0225], [0.03, 0]]\n");
+    REQUIRE(whole.size() == cut.size());
+    int slewed = 0;
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        CAPTURE(whole[i][0]);
+        CHECK(whole[i][13] == cut[i][13]);
+        for (const std::size_t force : {10U, 11U}) {
+            CHECK(std::stod(whole[i][force]) == Approx(std::stod(cut[i][force])).margin(1e-9));
+        }
+        slewed += whole[i][13] == "1" ? 1 : 0;
+    }
+    CHECK(slewed > 20);
+}
+
 TEST_CASE("check says which laws creep, chatter or are not passive, and refuses what diverges",
           "[friction][cli]") {
     const TemporaryFile file("laws.toml");

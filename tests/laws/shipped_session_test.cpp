@@ -53,7 +53,7 @@ TEST_CASE(
                     "presentation JOIN trial USING (trial_id) JOIN response "
                     "USING (trial_id) WHERE invalid_reason IS NULL") == one.intervals);
         CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL") == one.steps);
-        // From rest to rest a soft object gives no more than sampling leaks.
+        // From its rest on a soft object gives no more than sampling leaks.
         CHECK((one.name != std::string("softness_2afc") ||
                count(database, "trial WHERE worst_episode_j > 0") == 0));
     }
