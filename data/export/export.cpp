@@ -247,13 +247,14 @@ ExportSummary export_file(const std::string& file,
     Selection selection(database, options);
     const std::string held = held_by(format);
     std::vector<NotTaken> not_taken = held.empty() ? std::vector<NotTaken>{} : selection.keep(held);
-    refuse_if(
-        options.traces && !database
-                               .prepare("SELECT 1 FROM trace_chunk JOIN trial USING (trial_id) "
-                                        "JOIN chosen USING (session_id) LIMIT 1")
-                               .step(),
-        "no session here has ticks, as of palpate simulate --no-traces: export without "
-        "--traces");
+    // The README of BIDS says that there are none.
+    refuse_if(options.traces && format != ExportFormat::bids &&
+                  !database
+                       .prepare("SELECT 1 FROM trace_chunk JOIN trial USING (trial_id) "
+                                "JOIN chosen USING (session_id) LIMIT 1")
+                       .step(),
+              "no session here has ticks, as of palpate simulate --no-traces: export without "
+              "--traces");
     kWriters.at(static_cast<std::size_t>(format))({database, selection, options, built.path()});
     analyse(database, Versions::apart);  // from here on without whom analyses do not see
     std::vector<LeftOut> left_out = left_out_everywhere(database, options.kind, false);
