@@ -52,7 +52,7 @@ constexpr Key kRenderer[]{
     {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
      .meaning = "damper of the contact beside its spring"},
     {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMaxCompliance},
-     .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
+     .meaning = "of two curves that yield, the first two of a closed outline of three segments without inner knots: how far their vertex gives way to a force that rests on it; 0: rigid"},
     {.name = "tracker", .slot = at<&SceneRenderer::tracker>,
      .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
     {.name = "sub_steps", .slot = at<&SceneRenderer::sub_steps>, .range = {1, 1000},
