@@ -41,6 +41,10 @@ void check_clamped(const std::vector<double>& values, std::size_t p, const std::
     refuse_if(!(values[0] < values[last]),
               "{} holds only the value {:.9g}: the last knot must be larger than the first", name,
               values[0]);
+    refuse_if(!std::isfinite(values[last] - values[0]),
+              "{} go from {:.9g} to {:.9g}, farther apart than any number: give knots that are "
+              "nearer to each other",
+              name, values[0], values[last]);
 }
 
 void check_repeats(const std::vector<double>& values, std::size_t p, const std::string& name) {

@@ -73,7 +73,7 @@ std::optional<RationalBezier<2>> settled(const RationalBezier<2>& span) {
 }
 
 std::string name_text(const SpanName& name) {
-    return "segment " + std::to_string(name.segment) +
+    return "segment " + std::to_string(name.segment + 1) +
            (name.lo == 0.0 ? "" : " at u = " + number_text(name.lo));
 }
 
@@ -168,7 +168,7 @@ void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
         }
     }
     refuse_if(spans_.size() == first,
-              "segment {} is a mere point: give control points apart from one another", index);
+              "segment {} is a mere point: give control points apart from one another", index + 1);
 }
 
 void Outline::join_all() {

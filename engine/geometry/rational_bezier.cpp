@@ -8,7 +8,7 @@ namespace palpate::engine {
 template <int D>
 void check_control_point(const Vec<D>& point, double weight, std::size_t index) {
     refuse_if(!(weight >= kMinWeight) || !(weight <= kMaxWeight),
-              "weight {} is {:.9g}: give a finite weight above 0, from 1e-12 to 1e12", index,
+              "weights[{}] is {:.9g}: give a finite weight above 0, from 1e-12 to 1e12", index,
               weight);
     for (int k = 0; k < D; ++k) {
         refuse_if(

@@ -41,6 +41,29 @@ bool LawKeys::reads(const Key& key) const {
             }));
 }
 
+bool LawKeys::check(Keys keys,
+                    const std::string& path,
+                    const Places& places,
+                    Problems& problems) const {
+    bool right = true;
+    const auto wrong = [&](const std::string& at, std::string what) {
+        problems.add(places.of(at), std::move(what));
+        right = false;
+    };
+    for (const Key& key : keys) {
+        const std::string at = fmt::format("{}.{}", path, key.name);
+        if (needs(key.name) && !places.has(at)) {
+            wrong(path, fmt::format("law \"{}\" needs the key {}: add it ({}; {})", law, key.name,
+                                    range_of(key), key.meaning));
+        } else if (!reads(key) && places.has(at)) {
+            wrong(at, fmt::format("{} is given, but law is \"{}\", which does not read it: "
+                                  "delete it, or give another law",
+                                  key.name, law));
+        }
+    }
+    return right;
+}
+
 std::span<const LawKeys> friction_laws() {
     static const std::vector<LawKeys> kAll = all_law_keys();
     return kAll;

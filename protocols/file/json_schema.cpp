@@ -73,10 +73,12 @@ std::string object_schema() {
     return object.text();
 }
 
-std::string friction_schema() {
-    const Keys keys = keys_of<FrictionSpec>();
+/// Each law with the keys that it needs, without those that it does not read.
+/// @param as_gos   more words, that read what gos reads
+/// @param or_none  no law is gos
+std::string friction_schema(Keys keys, const Names& as_gos = {}, bool or_none = false) {
     TableSchema friction(keys);
-    Names laws;
+    Names laws = as_gos;
     for (const LawKeys& law : friction_laws()) {
         laws.push_back(law.law);
         Names needed;
@@ -88,7 +90,12 @@ std::string friction_schema() {
                 refused.push_back(key.name);
             }
         }
-        friction.rule(json_when(says("law", {law.law}), needs(needed, refused)));
+        Names words{law.law};
+        if (law.relaxes) {
+            words.insert(words.end(), as_gos.begin(), as_gos.end());
+        }
+        friction.rule(
+            json_when(says("law", words, or_none && law.relaxes), needs(needed, refused)));
     }
     return friction.among("law", laws).text();
 }
@@ -192,7 +199,8 @@ TableSchema protocol_schema() {
         .put("outline", table_of<OutlineSpec>())
         .put("surface", table_of<SurfaceSpec>())
         .put("object", json_list(object_schema(), 1, kMaxObjects), true)
-        .put("friction", json_list(friction_schema(), 1, kMaxFrictions), true)
+        .put("friction", json_list(friction_schema(keys_of<FrictionSpec>()), 1, kMaxFrictions),
+             true)
         .put("safety", table_of<SafetySpec>())
         .put("invalid", table_of<InvalidSpec>())
         .put("exclusion", table_of<ExclusionSpec>())
@@ -228,28 +236,12 @@ TableSchema scene_schema() {
     renderer.add(keys(1), false)
         .rule(json_when(says("tracker", {"feedback", "feed_forward", "feedback_linearised"}),
                         needs({"gain"}), needs({}, {"gain"})));
-    TableSchema friction(keys(2));
-    friction.add(keys(3), false).add(keys(4), false);
-    Names laws(kThesisLaws.begin(), kThesisLaws.end());
-    Names rub = laws;
-    Names stick = laws;
-    for (const LawKeys& law : friction_laws()) {
-        laws.push_back(law.law);
-        if (law.rubs) {
-            rub.push_back(law.law);
-        }
-        if (law.sticks) {
-            stick.push_back(law.law);
-        }
-    }
-    friction.among("law", laws)
-        .rule(json_when(says("law", rub, true), needs({"mu_d"})))
-        .rule(json_when(says("law", stick, true), needs({"mu_s"})));
     TableSchema file;
     file.put("renderer", renderer.text())
-        .put("friction", friction.text())
-        .put("segment", json_list(segment_schema(keys(5))))
-        .put("surface", json_list(TableSchema(keys(6)).text()))
+        .put("friction",
+             friction_schema(keys(2), Names(kThesisLaws.begin(), kThesisLaws.end()), true))
+        .put("segment", json_list(segment_schema(keys(3))))
+        .put("surface", json_list(TableSchema(keys(4)).text()))
         .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"segment"}), needs({"surface"})));
     return file;
 }

@@ -56,6 +56,9 @@ struct LawKeys {
     [[nodiscard]] bool needs(std::string_view key) const;
     /// Whether a friction of this law may have the key.
     [[nodiscard]] bool reads(const Key& key) const;
+    /// That a friction has the keys that this law needs, and none that it does not read.
+    /// @param path  of its table
+    bool check(Keys keys, const std::string& path, const Places& places, Problems& problems) const;
 };
 /// All laws, in the order in which they are listed.
 [[nodiscard]] std::span<const LawKeys> friction_laws();

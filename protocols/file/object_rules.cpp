@@ -260,7 +260,8 @@ private:
         try {
             return outline_of(protocol_, index);
         } catch (const std::invalid_argument& error) {
-            add(path(index, object.segments.empty() ? "curvature_per_m" : "segment.1"),
+            add(path(index,
+                     object.segments.empty() ? "curvature_per_m" : spoken_segment(error.what())),
                 fmt::format("the object {} cannot be built: {}", object.name, error.what()));
             return nullptr;
         }

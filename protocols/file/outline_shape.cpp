@@ -52,6 +52,16 @@ std::optional<std::string> crossing_text(std::string_view what,
                        1e3 * meeting->x, 1e3 * meeting->y);
 }
 
+std::string spoken_segment(std::string_view sentence, std::string_view around) {
+    constexpr std::string_view kWord = "segment ";
+    const std::size_t word = sentence.find(kWord);
+    const std::string_view rest =
+        word == std::string_view::npos ? "" : sentence.substr(word + kWord.size());
+    const std::string_view number = rest.substr(0, rest.find_first_not_of("0123456789"));
+    return fmt::format("{}{}segment.{}", around, around.empty() ? "" : ".",
+                       number.empty() ? "1" : number);
+}
+
 double closing_gap(const std::vector<engine::NurbsCurve<2>>& curves) {
     const auto& first = curves.front();
     const auto& last = curves.back();

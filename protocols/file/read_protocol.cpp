@@ -194,19 +194,7 @@ private:
             problems_.add(places_.of(path + ".law"), wrong_law(friction.law));
             return;
         }
-        for (const Key& key : keys_of<FrictionSpec>()) {
-            const std::string at = fmt::format("{}.{}", path, key.name);
-            if (law->needs(key.name) && !places_.has(at)) {
-                problems_.add(places_.of(path),
-                              fmt::format("law \"{}\" needs the key {}: add it ({}; {})", law->law,
-                                          key.name, range_of(key), key.meaning));
-            } else if (!law->reads(key) && places_.has(at)) {
-                problems_.add(places_.of(at),
-                              fmt::format("{} is given, but law is \"{}\", which does not read it: "
-                                          "delete it, or give another law",
-                                          key.name, law->law));
-            }
-        }
+        law->check(keys_of<FrictionSpec>(), path, places_, problems_);
         if (!law->needs("mu_s")) {
             friction.mu_s = friction.mu_d;
         }

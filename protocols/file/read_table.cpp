@@ -73,7 +73,7 @@ const Entry* find(const Table& table, std::string_view key) {
 }
 
 Position spoken_of(const Table& table, std::string_view sentence, const Position& otherwise) {
-    const Entry* entry = find(table, sentence.substr(0, sentence.find(' ')));
+    const Entry* entry = find(table, sentence.substr(0, sentence.find_first_of(" [")));
     return entry == nullptr ? otherwise : entry->value.at;
 }
 

@@ -16,18 +16,9 @@
 namespace palpate::protocols {
 namespace {
 
-/// What [friction] says, as it stands.
+/// What [friction] says.
 struct FrictionTable {
-    SceneFriction friction{};
-    double mu_s = -1.0;  ///< below 0: not given
-    double mu_d = 0.0;
-    double tau_slip = 0.0;
-    double tau_heal = 0.0;
-
-    FrictionTable() {
-        friction.law = "gos";
-        friction.slew = {.speed = 0.0, .radius = 0.003};
-    }
+    SceneFriction friction{.law = "gos", .slew = {.speed = 0.0, .radius = 0.003}};
 };
 
 struct SurfaceTable {
@@ -45,8 +36,11 @@ constexpr Range kFew{.min = 0.0, .max = 10.0};
 template <auto... Steps>
 constexpr auto of_friction = at<&FrictionTable::friction, Steps...>;
 template <auto Member>
+constexpr auto of_set = of_friction<&SceneFriction::set, Member>;
+template <auto Member>
 constexpr auto of_law = of_friction<&SceneFriction::own, Member>;
 
+using engine::Friction;
 using engine::LawSpec;
 using engine::Slew;
 using enum Need;
@@ -58,7 +52,7 @@ constexpr Key kRenderer[]{
     {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
      .meaning = "damper of the contact beside its spring"},
     {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMaxCompliance},
-     .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
+     .meaning = "of two curves that yield, the first two of a closed outline of three segments without inner knots: how far their vertex gives way to a force that rests on it; 0: rigid"},
     {.name = "tracker", .slot = at<&SceneRenderer::tracker>,
      .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
     {.name = "sub_steps", .slot = at<&SceneRenderer::sub_steps>, .range = {1, 1000},
@@ -73,7 +67,6 @@ constexpr Key kGain[]{
      .meaning = "of feedback and feed_forward: 1/(m^2 s); of feedback_linearised: 1/s"},
 };
 
-// Keys that a law does not use may stay, so that laws can be compared by changing one word.
 constexpr Key kSceneFriction[]{
     {.name = "law", .slot = of_friction<&SceneFriction::law>,
      .meaning = "by which the contact force is computed: one of a protocol's [laws](#laws-of-friction), thesis_literal or thesis_latched"},
@@ -83,42 +76,37 @@ constexpr Key kSceneFriction[]{
      .meaning = "radius that a vertex counts as for that speed"},
     {.name = "dead_band_m_per_s", .slot = of_friction<&SceneFriction::dead_band>, .range = {0, 1e3},
      .meaning = "the thesis' laws take slower closest points for resting"},
-    {.name = "tau_slip_s", .slot = at<&FrictionTable::tau_slip>, .range = kFew,
+    {.name = "mu_s", .slot = of_set<&Friction::mu_s>, .need = by_law, .range = kFew,
+     .meaning = "static coefficient, at least mu_d"},
+    {.name = "mu_d", .slot = of_set<&Friction::mu_d>, .need = by_law, .range = kFew,
+     .meaning = "dynamic coefficient"},
+    {.name = "tau_slip_s", .slot = of_set<&Friction::tau_slip>, .need = by_law_optional, .range = kFew,
      .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
-    {.name = "tau_heal_s", .slot = at<&FrictionTable::tau_heal>, .range = kFew,
+    {.name = "tau_heal_s", .slot = of_set<&Friction::tau_heal>, .need = by_law_optional, .range = kFew,
      .meaning = "time constant back to mu_s while stuck; 0: at once"},
-    {.name = "tangential_stiffness_n_per_m", .slot = of_law<&LawSpec::stiffness>, .range = kFromZero,
+    {.name = "tangential_stiffness_n_per_m", .slot = of_law<&LawSpec::stiffness>, .need = by_law_optional, .range = kFromZero,
      .meaning = "of a law's own spring along the surface; 0: stiffness_n_per_m"},
-    {.name = "viscous_n_s_per_m", .slot = of_law<&LawSpec::viscosity>, .range = kFromZero,
+    {.name = "viscous_n_s_per_m", .slot = of_law<&LawSpec::viscosity>, .need = by_law_optional, .range = kFromZero,
      .meaning = "of viscous and lugre: damper along the surface"},
-    {.name = "bristle_damping_n_s_per_m", .slot = of_law<&LawSpec::bristle_damping>, .range = kFromZero,
+    {.name = "bristle_damping_n_s_per_m", .slot = of_law<&LawSpec::bristle_damping>, .need = by_law_optional, .range = kFromZero,
      .meaning = "of lugre and reset_integrator: damper of the law's own spring"},
-    {.name = "stribeck_speed_m_per_s", .slot = of_law<&LawSpec::stribeck_speed>, .range = kPositive,
+    {.name = "stribeck_speed_m_per_s", .slot = of_law<&LawSpec::stribeck_speed>, .need = by_law_optional, .range = kPositive,
      .meaning = "of stribeck and lugre: from mu_s at rest to mu_d well above this speed"},
-    {.name = "smoothing_speed_m_per_s", .slot = of_law<&LawSpec::smoothing_speed>, .range = kPositive,
+    {.name = "smoothing_speed_m_per_s", .slot = of_law<&LawSpec::smoothing_speed>, .need = by_law_optional, .range = kPositive,
      .meaning = "of stribeck: over which friction turns with the motion"},
-    {.name = "stick_speed_m_per_s", .slot = of_law<&LawSpec::stick_speed>, .range = kPositive,
+    {.name = "stick_speed_m_per_s", .slot = of_law<&LawSpec::stick_speed>, .need = by_law_optional, .range = kPositive,
      .meaning = "of karnopp: below it a hand counts as resting"},
-    {.name = "dahl_exponent", .slot = of_law<&LawSpec::exponent>, .range = {0, 3},
+    {.name = "dahl_exponent", .slot = of_law<&LawSpec::exponent>, .need = by_law_optional, .range = {0, 3},
      .meaning = "of dahl: alpha"},
-    {.name = "stick_share", .slot = of_law<&LawSpec::stick_share>, .range = {0, 0.99},
+    {.name = "stick_share", .slot = of_law<&LawSpec::stick_share>, .need = by_law_optional, .range = {0, 0.99},
      .meaning = "of hayward_armstrong: share of the friction below which nothing slips"},
-    {.name = "bristles", .slot = of_law<&LawSpec::bristles>, .range = {1, engine::kMaxBristles},
+    {.name = "bristles", .slot = of_law<&LawSpec::bristles>, .need = by_law_optional, .range = {1, engine::kMaxBristles},
      .meaning = "of bristle: number of bonds"},
-    {.name = "snag_spacing_m", .slot = of_law<&LawSpec::snag_spacing>, .range = kPositive,
+    {.name = "snag_spacing_m", .slot = of_law<&LawSpec::snag_spacing>, .need = by_law_optional, .range = kPositive,
      .meaning = "of snags: one, at a random place, in each such length of the outline"},
-    {.name = "law_seed", .slot = of_law<&LawSpec::seed>, .range = {0, kMaxSeed},
+    {.name = "law_seed", .slot = of_law<&LawSpec::seed>, .need = by_law_optional, .range = {0, kMaxSeed},
      .meaning = "of bristle and snags"},
 };
-constexpr Key kMuD[]{
-    {.name = "mu_d", .slot = at<&FrictionTable::mu_d>, .need = required, .range = kFew,
-     .meaning = "dynamic coefficient, of every law that rubs"},
-};
-constexpr Key kMuS[]{
-    {.name = "mu_s", .slot = at<&FrictionTable::mu_s>, .need = required, .range = kFew,
-     .meaning = "static coefficient, of every law that sticks: not of frictionless, coulomb, coulomb_sign, viscous, dahl and hayward_armstrong; at least mu_d"},
-};
-
 constexpr Key kSurface[]{
     {.name = "degree_u", .slot = at<&SurfaceTable::degree_u>, .need = required, .range = {1, 1e6},
      .meaning = "of the polynomials along u"},
@@ -147,41 +135,34 @@ SceneRenderer read_renderer(TableReader table) {
     return r;
 }
 
-SceneFriction read_friction(TableReader table) {
+SceneFriction read_friction(TableReader table, const Places& places, Problems& problems) {
     FrictionTable f;
-    table.read(kSceneFriction, &f);
-    const LawKeys* law = keys_of_law(is_thesis_law(f.friction.law) ? "gos" : f.friction.law);
-    if (law == nullptr || (is_thesis_law(f.friction.law) &&
-                           std::ranges::find(kThesisLaws, f.friction.law) == kThesisLaws.end())) {
-        table.refuse("law", wrong_law(f.friction.law, kThesisLaws));
-        law = keys_of_law("frictionless");
+    table.read_last(kSceneFriction, &f);
+    SceneFriction& friction = f.friction;
+    const bool thesis = is_thesis_law(friction.law);
+    const LawKeys* known = keys_of_law(thesis ? "gos" : friction.law);
+    if (known == nullptr ||
+        (thesis && std::ranges::find(kThesisLaws, friction.law) == kThesisLaws.end())) {
+        table.refuse("law", wrong_law(friction.law, kThesisLaws));
+        return friction;
     }
-    f.friction.own.traits = law->own;
-    table.read(kMuD, &f, law->rubs);
-    table.read(kMuS, &f, law->sticks);
-    table.refuse_unknown();
-    if (f.mu_s < 0.0) {
-        f.mu_s = f.mu_d;
+    LawKeys law = *known;
+    law.law = friction.law;
+    if (!law.check(kSceneFriction, table.path(), places, problems)) {
+        return friction;
     }
-    if (f.mu_s < f.mu_d) {
+    if (!law.sticks) {
+        friction.set.mu_s = friction.set.mu_d;
+    } else if (friction.set.mu_s < friction.set.mu_d) {
         table.refuse("mu_s", fmt::format("mu_s is {}, below mu_d = {}: static friction is not "
                                          "smaller than dynamic friction",
-                                         f.mu_s, f.mu_d));
+                                         friction.set.mu_s, friction.set.mu_d));
     }
-    if (!law->sticks) {
-        f.mu_s = f.mu_d;
+    friction.own.traits = law.own;
+    if (law.own != nullptr) {
+        table.attempt([&] { engine::FrictionLaw(friction.own, friction.set, 1.0, 1.0); });
     }
-    if (law->rubs) {
-        f.friction.set = {.mu_s = f.mu_s, .mu_d = f.mu_d};
-    }
-    if (law->relaxes) {
-        f.friction.set.tau_slip = f.tau_slip;
-        f.friction.set.tau_heal = f.tau_heal;
-    }
-    if (law->own != nullptr) {
-        table.attempt([&] { engine::FrictionLaw(f.friction.own, f.friction.set, 1.0, 1.0); });
-    }
-    return f.friction;
+    return friction;
 }
 
 void read_segment(TableReader table, SceneFile& scene) {
@@ -229,7 +210,8 @@ void read_surface(TableReader table, SceneFile& scene) {
 }
 
 /// A scene whose curves yield can be compiled, or it is said why not.
-void check_softness(const SceneFile& scene, const Position& at, Problems& problems) {
+void check_softness(const SceneFile& scene, Problems& problems) {
+    const Position at = scene.places.of("renderer.compliance_m_per_n");
     if (scene.curves.empty()) {
         problems.add(at, "compliance_m_per_n is for plane curves: leave it out");
         return;
@@ -241,17 +223,24 @@ void check_softness(const SceneFile& scene, const Position& at, Problems& proble
                      "\"frictionless\"");
         return;
     }
+    std::shared_ptr<const engine::Outline> outline;
+    try {
+        outline = std::make_shared<const engine::Outline>(outline_of(scene));
+    } catch (const std::invalid_argument& error) {
+        problems.add(scene.places.of(spoken_segment(error.what())), error.what());
+        return;
+    }
     try {
         constexpr double kAnyPeriod = 1e-3;  // s
-        const engine::Scene built(std::make_shared<const engine::Outline>(outline_of(scene)),
-                                  spec_of(scene, kAnyPeriod));
+        const engine::Scene built(outline, spec_of(scene, kAnyPeriod));
     } catch (const std::invalid_argument& error) {
         problems.add(at, error.what());
     }
 }
 
 /// What holds across tables.
-void check_whole(const SceneFile& scene, const Position& at, Problems& problems) {
+void check_whole(const SceneFile& scene, Problems& problems) {
+    const Position at{};
     const int kinds = static_cast<int>(!scene.curves.empty()) +
                       static_cast<int>(!scene.space_curves.empty()) +
                       static_cast<int>(!scene.surfaces.empty());
@@ -265,7 +254,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
         try {
             const engine::SurfaceObject joined(scene.surfaces);
         } catch (const std::invalid_argument& error) {
-            problems.add(at, error.what());
+            problems.add(scene.places.of("surface.1"), error.what());
         }
     }
     if (!scene.surfaces.empty() &&
@@ -278,7 +267,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
             "\"certified\" and law \"gos\", \"coulomb\" or \"frictionless\"");
     }
     if (scene.renderer.compliance > 0.0) {
-        check_softness(scene, at, problems);
+        check_softness(scene, problems);
     }
 }
 
@@ -287,14 +276,14 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
 SceneFile parse_scene(std::string_view text, std::string_view file_name, Crossings crossings) {
     const Table file = parse_document(text, file_name);
     Problems problems;
-    Places places;
     SceneFile scene;
+    Places& places = scene.places;
     TableReader top(file, "", {}, problems, places, "the scene");
     if (const auto table = top.table("renderer")) {
         scene.renderer = read_renderer(*table);
     }
     if (const auto table = top.table("friction")) {
-        scene.friction = read_friction(*table);
+        scene.friction = read_friction(*table, places, problems);
     }
     for (const TableReader& table : top.tables("segment")) {
         read_segment(table, scene);
@@ -304,7 +293,7 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name, Crossin
     }
     top.refuse_unknown();
     problems.throw_if_any(file_name);
-    check_whole(scene, {}, problems);
+    check_whole(scene, problems);
     if (!scene.curves.empty() && crossings == Crossings::refused) {
         check_ends_and_crossings(scene.curves, places, problems);
     }
@@ -316,8 +305,6 @@ std::vector<TableText> scene_reference() {
     return {{.heading = "[renderer]", .keys = kRenderer},
             {.heading = "[renderer] with a tracker that has a gain", .keys = kGain},
             {.heading = "[friction]", .keys = kSceneFriction},
-            {.heading = "[friction] with a law that rubs", .keys = kMuD},
-            {.heading = "[friction] with a law that sticks", .keys = kMuS},
             segment_reference("[[segment]]", "once each, or [[surface]] tables"),
             {.heading = "[[surface]]",
              .remark = "once each; borders that are the same curve are joined",
@@ -330,6 +317,11 @@ SceneFile load_scene(const std::filesystem::path& file) {
 
 engine::Outline outline_of(const SceneFile& scene) {
     return {scene.curves, closing_gap(scene.curves) <= kSameEnd};
+}
+
+ProtocolError not_felt(const SceneFile& scene, std::string_view name, std::string_view why) {
+    const Position at = scene.places.of(spoken_segment(why));
+    return ProtocolError(fmt::format("{}:{}:{}: {}", name, at.line, at.column, why));
 }
 
 engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {

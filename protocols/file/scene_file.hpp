@@ -72,6 +72,7 @@ struct SceneFile {
     /// The pieces that trims leave, and of each its [[surface]], counted from 0.
     std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces;
     std::vector<std::size_t> surface_of;
+    Places places{};  ///< where everything stands
 
     /// 2 or 3: the number of coordinates of its points.
     [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }
@@ -95,6 +96,12 @@ enum class Crossings : std::uint8_t { refused, taken };
 /// The chain of a scene's plane curves: closed if the last ends where the first starts.
 /// @throws std::invalid_argument if consecutive curves share no end point
 [[nodiscard]] engine::Outline outline_of(const SceneFile& scene);
+
+/// That the engine refuses to feel a scene, at the segment of which its sentence speaks.
+/// @param name  of the scene's file
+[[nodiscard]] ProtocolError not_felt(const SceneFile& scene,
+                                     std::string_view name,
+                                     std::string_view why);
 
 /// Whether the contact force follows one of the thesis' laws.
 [[nodiscard]] constexpr bool is_thesis_law(std::string_view law) noexcept {

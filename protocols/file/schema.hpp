@@ -262,7 +262,8 @@ private:
 /// The entry of this key; null if there is none.
 [[nodiscard]] const Entry* find(const Table& table, std::string_view key);
 
-/// The place of the value that a sentence such as "min is 3: ..." begins with, else `otherwise`.
+/// The place of the value that a sentence such as "min is 3: ..." or "knots[4] = 1 is ..." begins
+/// with, else `otherwise`.
 [[nodiscard]] Position spoken_of(const Table& table,
                                  std::string_view sentence,
                                  const Position& otherwise);

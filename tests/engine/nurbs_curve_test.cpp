@@ -139,5 +139,5 @@ TEST_CASE("what is no NURBS curve is refused with the place, the value and the r
     CHECK_THROWS_WITH(NurbsCurve<2>(3, knots, four, std::vector<double>{1, 1, 1}),
                       Has("3 weights for 4"));
     CHECK_THROWS_WITH(NurbsCurve<2>(3, knots, four, std::vector<double>{1, 1, -2, 1}),
-                      Has("weight 2 is -2"));
+                      Has("weights[2] is -2"));
 }

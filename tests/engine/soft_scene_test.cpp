@@ -164,6 +164,23 @@ TEST_CASE(
     CHECK(scene.soft()->compliance_at({1, 0.0}) == Approx(c).epsilon(1e-12));
 }
 
+TEST_CASE("a symmetric soft object answers mirrored hands with mirrored forces", "[soft][law]") {
+    SEEDED(random, 20U);
+    const Scene scene(arcs(random.in(-10.0, 20.0)), soft_spec(random));
+    const double x = random.decade(-12.0, -4.0);  // beside the vertex
+    const double speed = random.in(1e-6, 2e-5);   // m a tick
+    ContactState left;
+    ContactState right;
+    double worst = 0.0;
+    for (int i = 0; i < 400; ++i) {
+        const double y = 0.0401 - speed * i;
+        const Vec2 a = scene.tick(left, {-x, y}).force;
+        const Vec2 b = scene.tick(right, {x, y}).force;
+        worst = std::max(worst, glm::length(Vec2{-a.x, a.y} - b));
+    }
+    CHECK(worst <= 1e-9 * scene.spec().stiffness * 400.0 * speed);
+}
+
 TEST_CASE("from its rest on a soft object gives no more energy than sampling leaks",
           "[soft][law]") {
     SEED(40U);

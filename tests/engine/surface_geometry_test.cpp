@@ -145,7 +145,7 @@ TEST_CASE("what is no surface is refused with the place, the value and the remed
     refused("same length", [](auto& d) { d.points[1].pop_back(); });
     refused("1 rows of weights for 2", [](auto& d) { d.weights = {{1, 1}}; });
     refused("weights[1] has 1 values for 2", [](auto& d) { d.weights = {{1, 1}, {1}}; });
-    refused("weight 3 is -3", [](auto& d) { d.weights = {{1, 1}, {1, -3}}; });
+    refused("weights[3] is -3", [](auto& d) { d.weights = {{1, 1}, {1, -3}}; });
     refused("control point 1 has the coordinate", [](auto& d) { d.points[0][1].y = NAN; });
     refused("degree is 10", [](auto& d) { d.degree_u = 10; });
     CHECK_THROWS_WITH(BezierPatch(1, 1, {}, true), Has("needs 4 control points"));

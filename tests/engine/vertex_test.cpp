@@ -232,7 +232,7 @@ TEST_CASE("an outline that is not one is refused with the reason", "[geometry]")
     CHECK_THROWS_WITH(Outline(std::vector<RationalBezier<2>>{}, false), Has("at least one"));
     CHECK_THROWS_WITH(
         Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.1}, {2.0, 0.0})}, false),
-        Has("segment 1 starts 0.1"));
+        Has("segment 2 starts 0.1"));
     CHECK_THROWS_WITH(
         Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.0}, {0.0, 0.0})}, false),
         Has("runs back along itself"));

@@ -89,8 +89,7 @@ TEST_CASE(
     "a hand led round an open end or border feels nothing before it comes through the surface",
     "[cli][law]") {
     const auto seed = GENERATE(seeds(20U));
-    const char* const scenes[] = {"", kRubs,
-                                  "[friction]\nlaw = \"dahl\"\nmu_s = 0.5\nmu_d = 0.5\n"};
+    const char* const scenes[] = {"", kRubs, "[friction]\nlaw = \"dahl\"\nmu_d = 0.5\n"};
     const bool space = seed % 4U == 3U;
     Random random(seed + 4100U);
     const std::string scene = space ? kRubs + sheet(random) : scenes[seed % 4U] + bows(random);

@@ -138,6 +138,70 @@ TEST_CASE("weights too far apart are named as they were written, at their place"
     both_say(scene + "weights = [1e3, 1e-3, 1e3, 1e-3]\n", "", kPlanePoints);
 }
 
+TEST_CASE("what is wrong with a segment is said at its line, and segments are counted from 1",
+          "[cli][law]") {
+    const std::string scene =
+        "[[segment]]\nkind = \"nurbs\"\ndegree = 2\nknots = [0, 0, 0, 0.5, 1, 1, 1]\n"
+        "points_m = [[-0.08, 0], [-0.02, 0.06], [0.02, 0.05], [0.08, 0]]\nweights = [1, 1, 1, 1]\n";
+    const auto with = [&scene](const std::string& from, const std::string& to) {
+        return replaced(scene, from, to);
+    };
+    both_say(scene, "", kPlanePoints);
+    both_say(with("weights = [1, 1", "weights = [1, 0"),
+             "6:11: [[segment]] 1: weights[1] is 0: give a finite weight above 0", kPlanePoints);
+    both_say(with("0.5, 1, 1, 1]", "1.5, 1, 1, 1]"),
+             "4:9: [[segment]] 1: knots[4] = 1 is below the knot before it, 1.5", kPlanePoints);
+    both_say(with("[0, 0, 0, 0.5, 1, 1, 1]", "[-1e308, -1e308, -1e308, 0, 1e308, 1e308, 1e308]"),
+             "4:9: [[segment]] 1: knots go from -1e+308 to 1e+308, farther apart", kPlanePoints);
+
+    // What no object can be made of is refused by render, as in a protocol.
+    const TemporaryFolder folder;
+    write(folder.file("p.csv"), kPlanePoints);
+    const auto line = [](double x0, double y0, double x1, double y1) {
+        return fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}, {}]\nto_m = [{}, {}]\n", x0,
+                           y0, x1, y1);
+    };
+    const std::string soft = "[renderer]\ncompliance_m_per_n = 0.001\n";
+    for (const auto& [text, sentence] : std::vector<std::pair<std::string, std::string>>{
+             {line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0),
+              "5:1: segment 2 starts 0.0001 m "},
+             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.01, 0),
+              "5:1: the outline runs back along "
+              "itself where segment 2 starts"},
+             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.05, 0.01) +
+                  "[[segment]]\nkind = \"nurbs\"\ndegree = 1\nknots = [0, 0, 1, 1]\npoints_m = "
+                  "[[0.05, 0.01], [0.05, 0.01]]\n",
+              "9:1: segment 3 is a mere point"},
+             {soft + line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0) +
+                  line(0.06, 0, 0.06, -0.01),
+              "7:1: segment 2 starts 0.0001 m "},
+             {soft + line(-0.04, 0, 0.04, 0),
+              "2:22: a compliance is for two curves on a base line"}}) {
+        write(folder.file("s.toml"), text);
+        const Finished done =
+            palpate_command({"render", folder.file("s.toml"), folder.file("p.csv")});
+        CAPTURE(text, done.error);
+        check_end(done, 2, Has(folder.file("s.toml") + ":" + sentence));
+    }
+}
+
+TEST_CASE("a scene has the keys that its law reads and no others, as a protocol", "[cli][law]") {
+    const std::string line = "[[segment]]\nkind = \"line\"\nfrom_m = [-0.1, 0]\nto_m = [0.1, 0]\n";
+    for (const auto& [keys, sentence] : std::vector<std::pair<std::string, std::string>>{
+             {"law = \"coulomb\"\nmu_d = 0.5\n", ""},
+             {"law = \"thesis_latched\"\nmu_s = 0.5\nmu_d = 0.5\ntau_slip_s = 0.1\n", ""},
+             {"law = \"lugre\"\nmu_s = 0.5\nmu_d = 0.5\nstribeck_speed_m_per_s = 0.1\n", ""},
+             {"law = \"coulomb\"\nmu_s = 0.9\nmu_d = 0.5\n",
+              "3:8: mu_s is given, but law is \"coulomb\", which does not read it: delete it"},
+             {"law = \"frictionless\"\nmu_d = 0.5\n", "3:8: mu_d is given, but law is "},
+             {"law = \"dahl\"\nmu_d = 0.5\ntau_slip_s = 0.1\n", "4:14: tau_slip_s is given, but "},
+             {"law = \"dahl\"\n", "1:2: law \"dahl\" needs the key mu_d: add it"},
+             {"law = \"gos\"\nmu_d = 0.5\n", "1:2: law \"gos\" needs the key mu_s: add it"},
+             {"law = \"gos\"\nmu_s = 0.4\nmu_d = 0.5\n", "3:8: mu_s is 0.4, below mu_d = 0.5"}}) {
+        both_say("[friction]\n" + keys + line, sentence, kPlanePoints);
+    }
+}
+
 TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "[cli]") {
     const TemporaryFile file("c.toml");
     // Both free points move as one (offline_tools_test.cpp): omega = sqrt(48 / 0.03) = 40 rad/s.

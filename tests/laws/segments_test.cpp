@@ -67,10 +67,10 @@ std::string scene_text(const Row& trial) {
         "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n";
     const bool rubs = trial.at("friction") == "on";
     return fmt::format(
-               "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\nmu_s = 0.7\nmu_d "
-               "= 0.5\ntau_slip_s = 0.02\ntau_heal_s = 0.1\nvertex_slew_m_per_s = "
-               "0.2\nvertex_radius_m = 0.003\n",
-               rubs ? "gos" : "frictionless") +
+               "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = {}\n"
+               "vertex_slew_m_per_s = 0.2\nvertex_radius_m = 0.003\n",
+               rubs ? "\"gos\"\nmu_s = 0.7\nmu_d = 0.5\ntau_slip_s = 0.02\ntau_heal_s = 0.1"
+                    : "\"frictionless\"") +
            (trial.at("object") == "hill" ? hill_tables("segment") : curves);
 }
 

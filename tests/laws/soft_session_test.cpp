@@ -20,13 +20,14 @@ TEST_CASE("an episode is one coming into contact of soft objects too, and no fre
     const std::string db = folder.file("soft.sqlite");
     std::ofstream(file) << soft_study();
     ran(run_words(file, "P1", db, {"--headless"}));
-    const auto trials = csv_body(
-        sql_csv(db,
-                "WITH s AS (SELECT trial_id, mode, flags, lag(mode, 1, 'free') OVER (PARTITION BY "
-                "trial_id ORDER BY tick) AS was FROM sample) "
-                "SELECT felt_object, sum(mode <> 'free' AND was = 'free'), contact_episodes, "
-                "sum(mode = 'free' AND flags & 32), worst_episode_j FROM s JOIN trial USING "
-                "(trial_id) JOIN presentation USING (trial_id) GROUP BY trial_id"));
+    const auto trials = csv_body(sql_csv(
+        db,
+        "WITH s AS (SELECT trial_id, mode, flags, lag(mode, 1, 'free') OVER (PARTITION BY "
+        "trial_id ORDER BY tick) AS was FROM sample JOIN presentation USING (trial_id) WHERE "
+        "tick < ticks) "
+        "SELECT felt_object, sum(mode <> 'free' AND was = 'free'), contact_episodes, "
+        "sum(mode = 'free' AND flags & 32), worst_episode_j FROM s JOIN trial USING "
+        "(trial_id) JOIN presentation USING (trial_id) GROUP BY trial_id"));
     REQUIRE(trials.size() == 4);
     std::size_t again = 0;
     for (const Words& trial : trials) {

@@ -231,8 +231,11 @@ std::string scene_text(const StressScene& scene) {
                         scene.renderer.stiffness, scene.renderer.damping);
     text += fmt::format("law = \"{}\"\n", f.law);
     if (f.law != "frictionless") {
-        text += fmt::format("mu_d = {}\nmu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.set.mu_d,
-                            f.set.mu_s, f.set.tau_slip, f.set.tau_heal);
+        text += fmt::format("mu_d = {}\n", f.set.mu_d);
+    }
+    if (f.law == "gos") {
+        text += fmt::format("mu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.set.mu_s,
+                            f.set.tau_slip, f.set.tau_heal);
     }
     text += fmt::format("vertex_slew_m_per_s = {}\nvertex_radius_m = {}\n", f.slew.speed,
                         f.slew.radius);

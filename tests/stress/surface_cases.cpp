@@ -351,8 +351,11 @@ std::string scene_text(const SurfaceCase& c) {
     text +=
         fmt::format("stiffness_n_per_m = {}\n[friction]\nlaw = \"{}\"\n", c.spec.stiffness, c.law);
     if (c.law != "frictionless") {
-        text += fmt::format("mu_s = {}\nmu_d = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.mu_s,
-                            f.mu_d, f.tau_slip, f.tau_heal);
+        text += fmt::format("mu_d = {}\n", f.mu_d);
+    }
+    if (c.law == "gos") {
+        text += fmt::format("mu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.mu_s, f.tau_slip,
+                            f.tau_heal);
     }
     for (const SurfaceData& d : c.pieces) {
         text += surface_text(d);

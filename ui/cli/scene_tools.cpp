@@ -270,7 +270,7 @@ int render(const SceneOptions& options, MakePlaneFeel thesis) {
     try {
         feel = feel_of(scene, path.first_period(), thesis);
     } catch (const std::invalid_argument& e) {  // the curves do not make an object
-        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", options.scene, e.what()));
+        throw protocols::not_felt(scene, options.scene, e.what());
     }
     write_rows(options.output, space ? kSpaceHead : kPlaneHead, path, feel);
     return 0;
