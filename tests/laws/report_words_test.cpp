@@ -32,6 +32,14 @@ std::string after(const std::string& text, const std::string& mark, std::size_t 
     return at == std::string::npos ? std::string() : text.substr(at, length);
 }
 
+/// Marks the answers of the people from `first` on with a friction.
+void mark_all(const std::string& file, const std::string& friction, int first) {
+    sql_edit(file, fmt::format("UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT "
+                               "trial_id FROM analysis_trial WHERE friction = '{}' AND session_id "
+                               ">= {})",
+                               friction, first));
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -93,4 +101,23 @@ TEST_CASE("of three frictions stats, page and power say the same one to be prima
                     "--hands", "1"})
                    .out,
                Has("strong against off"));
+}
+
+TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row",
+          "[summary][law]") {
+    const TemporaryFolder folder;
+    const std::string file = simulated(folder, kStrong, "7");
+    const auto note = [&] {
+        return after(ran({"summary", file}).out, "within person", 900);
+    };
+    CHECK_THAT(note(), Has("sign-flip: all 128 patterns of signs") && !Has("too few"));
+    mark_all(file, "strong", 5);
+    CHECK_THAT(note(), Has("sign-flip of 4 people: all 16 patterns of signs",
+                           "sign-flip of 7 people: all 128 patterns of signs",
+                           "4 people are too few to show a difference: no sign-flip p is below "
+                           "0.125") &&
+                           !Has("7 people are"));
+    mark_all(file, "off", 6);
+    CHECK_THAT(note(), Has("5 people are too few to show a difference: no sign-flip p is below "
+                           "0.0625"));
 }
