@@ -121,3 +121,43 @@ TEST_CASE("summary's note on sign-flips is of the people who are tested, row by 
     CHECK_THAT(note(), Has("5 people are too few to show a difference: no sign-flip p is below "
                            "0.0625"));
 }
+
+TEST_CASE("the page names every quantity that is not the same, with the audit's verdict",
+          "[report][audit][law]") {
+    const TemporaryFolder folder;
+    const std::string more = GENERATE(std::string(), kStrong);
+    const std::string file = simulated(folder, more, "4");
+    sql_edit(file, "UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
+    const Words verdicts{"DIFFERS", "differs, within bounds", "not known: more people",
+                         "too few people", "the same"};
+    const Words heads{"<p>DIFFERS: ", "<p>Differs, within bounds: ", "<p>Not known, more people: ",
+                      "<p>Not known, too few people: "};
+    const std::string page = page_of(file, kSimulated);
+    std::array<std::size_t, 5> found{};
+    for (const std::string& line : lines_in(ran({"audit", file, "--kind", "simulated"}).out)) {
+        const auto verdict = std::ranges::find_if(
+            verdicts, [&](const std::string& one) { return line.ends_with("  " + one); });
+        if (verdict == verdicts.end()) {
+            continue;
+        }
+        const auto place = static_cast<std::size_t>(verdict - verdicts.begin());
+        ++found.at(place);
+        const std::size_t begin = line.find_first_not_of(' ');
+        const std::string title = line.substr(begin, line.find("  ", begin) - begin);
+        CAPTURE(line, title);
+        if (place < heads.size()) {
+            const std::string said = after(page, heads.at(place), 3000);
+            CHECK_THAT(said.substr(0, said.find("</p>")), Has(title + " ("));
+        }
+    }
+    CHECK(found[0] > 0);
+    CHECK(found[2] > 0);
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+        const std::string said = after(page, heads.at(i), 3000);
+        CHECK(count_of(said.substr(0, said.find("</p>")), "(rig") +
+                  count_of(said.substr(0, said.find("</p>")), "(hand") ==
+              found.at(i));
+    }
+    CHECK_THAT(page, Has(more.empty() ? "start, to the right (rig)"
+                                      : "start, to the right (rig, on - off)"));
+}
