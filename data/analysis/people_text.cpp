@@ -42,15 +42,24 @@ Pairs pairs_of(const PeopleTable& table, const std::string& first, const std::st
     return pairs;
 }
 
-/// What so few people cannot show; empty for others.
-std::string limit_text(const PeopleTable& table) {
-    const std::size_t people = table.people.size();
-    const double least = std::ldexp(1.0, 1 - static_cast<int>(people));
-    return people < 2 || least <= 0.05 || table.conditions.size() < 2
-             ? std::string()
-             : fmt::format(
-                   "{} people are too few to show a difference: no sign-flip p is below {:g}",
-                   people, least);
+/// What the sign-flip tests of so many people are, and what so few cannot show.
+/// @param tested  how many people a test has, and whether all patterns were counted
+void add_flip_notes(Table& table, const std::map<std::size_t, bool>& tested) {
+    for (const auto& [people, exact] : tested) {
+        const double patterns = std::ldexp(1.0, static_cast<int>(people));
+        table.notes.push_back(
+            fmt::format("sign-flip{}: {} patterns of signs",
+                        tested.size() > 1 ? fmt::format(" of {} people", people) : std::string(),
+                        exact ? fmt::format("all {:.0f}", patterns) : "1,000,000 drawn"));
+    }
+    for (const auto& [people, exact] : tested) {
+        const double least = std::ldexp(1.0, 1 - static_cast<int>(people));
+        if (least > 0.05) {
+            table.notes.push_back(fmt::format(
+                "{} people are too few to show a difference: no sign-flip p is below {:g}", people,
+                least));
+        }
+    }
 }
 
 Table persons_table(const PeopleTable& table) {
@@ -115,6 +124,7 @@ Table differences_table(const PeopleTable& table) {
                .columns = heads({"comparison| ", "mean", "interval_95|interval", "people",
                                  "sign_flip_p|sign-flip p|p",
                                  "own_95|of this person's own trials (Newcombe), not of people"})};
+    std::map<std::size_t, bool> tested;
     for (std::size_t i = 1; i < table.conditions.size(); ++i) {
         const std::string& other = table.conditions[i];
         const Pairs pairs = pairs_of(table, table.conditions.front(), other);
@@ -130,16 +140,11 @@ Table differences_table(const PeopleTable& table) {
         made.rows.push_back({name, cell_of(mean.mean), cell_of(mean.interval, why_none(n)),
                              cell_of(n), n > 1 ? Cell(test.p) : Cell(Nothing{}),
                              n == 1 ? cell_of(pairs.own) : Cell(Nothing{})});
-        if (n > 1 && made.notes.empty()) {
-            made.notes.push_back(fmt::format(
-                "sign-flip: {} patterns of signs",
-                test.exact ? fmt::format("all {:.0f}", std::ldexp(1.0, static_cast<int>(n)))
-                           : "1,000,000 drawn"));
+        if (n > 1) {
+            tested[n] = test.exact;
         }
     }
-    if (const std::string limit = limit_text(table); !limit.empty()) {
-        made.notes.push_back(limit);
-    }
+    add_flip_notes(made, tested);
     return made;
 }
 

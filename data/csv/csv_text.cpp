@@ -11,9 +11,9 @@ bool is_number(std::string_view text) {
     if (text.starts_with('+') || text.starts_with('-')) {
         text.remove_prefix(1);
     }
-    return parsed<double>(text) &&
-           text.find_first_not_of("0123456789.eE+-") == std::string_view::npos &&
-           text.find_first_of("+-") != 0;
+    return text == "inf" || (parsed<double>(text) &&
+                             text.find_first_not_of("0123456789.eE+-") == std::string_view::npos &&
+                             text.find_first_of("+-") != 0);
 }
 
 /// Begins, after any number of ', as a formula does.

@@ -51,7 +51,11 @@ bool ratios(const Answers& answers) {
                                [](const Level& level) { return level.stimulus >= 0.0; });
 }
 
-FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Quantity quantity) {
+/// @param elsewhere  another curve of the person, which has the same shared rate, grows
+FitEstimate estimate_of(const FittedCurve& curve,
+                        const FitOptions& options,
+                        Quantity quantity,
+                        bool elsewhere) {
     const CurveSpec& spec = options.spec;
     const double share = options.at.value_or(0.5);
     FitEstimate estimate{.quantity = quantity, .value = kNoValue};
@@ -62,7 +66,8 @@ FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Qua
     estimate.value = quantity_of(spec, curve.fit.at, quantity, share);
     const bool rate = quantity == Quantity::guess || quantity == Quantity::lapse;
     const CurveMask free = curve.model.free();
-    estimate.fixed = rate && !(quantity == Quantity::lapse || spec.two_sided ? free[3] : free[2]);
+    const std::size_t place = quantity == Quantity::lapse || spec.two_sided ? 3 : 2;
+    estimate.fixed = rate && !free.at(place);
     if (estimate.fixed) {
         return estimate;
     }
@@ -73,7 +78,11 @@ FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Qua
     if (!curve.fit.shallow) {
         estimate.profile = profile_interval(curve.model, curve.fit, quantity, share);
     }
-    estimate.why = rate ? std::string() : unbounded_why(curve.fit, quantity);
+    if (!rate) {
+        estimate.why = unbounded_why(curve.fit, quantity);
+    } else if (curve.fit.shallow && !(elsewhere && place == spec.shared_rate())) {
+        estimate.why = "none: the share does not grow";
+    }
     if (estimate.why.empty() && curve.fit.maxima && !rate && !of_steepness(quantity)) {
         estimate.value = off_axis(spec.family, curve.fit.maxima->low);
         const double high = off_axis(spec.family, curve.fit.maxima->high);
@@ -96,14 +105,15 @@ FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Qua
 }
 
 /// All that is said of a curve that is fitted.
-void tell(FittedCurve& curve, const FitOptions& options) {
+/// @param elsewhere  as of estimate_of()
+void tell(FittedCurve& curve, const FitOptions& options, bool elsewhere) {
     std::vector<Quantity> asked{Quantity::threshold, Quantity::jnd,   Quantity::weber,
                                 Quantity::slope,     Quantity::guess, Quantity::lapse};
     if (options.at) {
         asked.insert(asked.begin() + 1, Quantity::at_share);
     }
     for (const Quantity quantity : asked) {
-        curve.estimates.push_back(estimate_of(curve, options, quantity));
+        curve.estimates.push_back(estimate_of(curve, options, quantity, elsewhere));
     }
 }
 
@@ -117,7 +127,7 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options) {
         curve.samples =
             bootstrap(curve.model, curve.fit, options.bootstrap, options.seed, answers.stream);
     }
-    tell(curve, options);
+    tell(curve, options, false);
     return curve;
 }
 
@@ -156,6 +166,8 @@ void fit_shared(FitReport& report) {
         if (options.bootstrap > 0) {
             samples = shared_bootstrap(models, fits, options.bootstrap, options.seed, streams);
         }
+        const bool grows =
+            std::ranges::any_of(fits, [](const CurveFit& one) { return !one.shallow; });
         for (std::size_t i = 0; i < mine.size(); ++i) {
             FittedCurve& curve = report.curves[mine[i]];
             curve.model = models[i];
@@ -163,7 +175,7 @@ void fit_shared(FitReport& report) {
             if (!curve.fit.shallow) {
                 curve.samples = std::move(samples[i]);
             }
-            tell(curve, options);
+            tell(curve, options, grows);
         }
     }
 }

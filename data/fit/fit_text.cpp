@@ -108,6 +108,8 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
                           : Json(curve.samples.deviance_p);
     one["deviance_why"] = single_answers(curve) ? Json(kNoGoodness) : Json(nullptr);
     one["log_likelihood"] = curve.fit.value;
+    one["log_likelihood_of"] =
+        report.options.spec.shared_rate() != 0 ? "all conditions of the person" : "this curve";
     one["log_likelihood_nelder_mead"] = curve.fit.second;
     one["optimisers_agree"] = curve.fit.agree;
     for (const protocols::Estimate& believed : curve.answers.believed) {

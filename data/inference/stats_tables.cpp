@@ -27,7 +27,9 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
             "plug-in, Miller-Madow, mean of {} permutations (a guesser's), their p, interval;\n  "
             "seconds: geometric means; felt: from the first contact to done",
             share_title(report),
-            report.yes_no ? "; d' and criterion c with the log-linear correction (Hautus 1995)"
+            report.yes_no ? report.right_known
+                              ? "; d' and criterion c with the log-linear correction (Hautus 1995)"
+                              : ""
             : report.table.alternatives < 2
                 ? std::string()
                 : fmt::format("; d' of {} alternatives, unbiased observer (n of n counts as n - "
@@ -111,11 +113,11 @@ std::vector<Cell> primary_row(const StatsReport& report, const StatsPart& part, 
     const auto mixed = std::ranges::find(part.mixed, f, &MixedStats::friction);
     const Named name{report.table.frictions[f], comparison_text(report, f)};
     if (report.table.primary == PrimaryTest::mixed && mixed != part.mixed.end()) {
-        const double ratio = likelihood_ratio(mixed->laplace, mixed->laplace_null);
         return {
             name,
             mixed->laplace.unbounded ? Cell(Nothing{"unbounded"}) : cell_of(mixed->laplace.effect),
-            Nothing{}, cell_of(ratio), chi_square_p(ratio, 1)};
+            Nothing{}, cell_of(likelihood_ratio(mixed->laplace, mixed->laplace_null)),
+            no_effect_p(*mixed)};
     }
     if (report.table.primary == PrimaryTest::mixed || share == part.measures.end() ||
         !share->effects[f] || share->effects[f]->values.size() < 2) {
@@ -127,24 +129,6 @@ std::vector<Cell> primary_row(const StatsReport& report, const StatsPart& part, 
                  : test.t                                           ? Cell(test.t->p)
                           : Cell(Nothing{"all the same: no t"});
     return {name, cell_of(test.mean.mean), cell_of(test.mean.interval), Nothing{}, p};
-}
-
-Table primary_table(const StatsReport& report, const StatsPart& part) {
-    Table table{.place = "primary/*",
-                .columns = heads({"comparison", "estimate", "interval_95|interval",
-                                  "chi_square|ratio", "p|p|p"})};
-    if (!report.table.primary) {
-        return table;
-    }
-    const bool logit = report.table.primary == protocols::PrimaryTest::mixed;
-    table.title =
-        fmt::format("  Primary test, as the protocol says: {}{}{}", title_of(*report.table.primary),
-                    logit ? ", in logit" : "",
-                    report.right_known ? "" : " (here of yes: nothing is right or wrong)");
-    for (std::size_t f = 1; f < report.table.frictions.size(); ++f) {
-        table.rows.push_back(primary_row(report, part, f));
-    }
-    return table;
 }
 
 Table confidence_table(const StatsPart& part) {
@@ -261,6 +245,38 @@ std::string list_of(const std::vector<std::string>& all) {
 }
 
 }  // namespace
+
+double no_effect_p(const MixedStats& mixed) {
+    return chi_square_p(likelihood_ratio(mixed.laplace, mixed.laplace_null), 1);
+}
+
+std::string primary_title(const StatsReport& report) {
+    const bool logit = report.table.primary == protocols::PrimaryTest::mixed;
+    return fmt::format("{}{}{}",
+                       title_of(report.table.primary.value_or(protocols::PrimaryTest::paired_t)),
+                       logit ? ", in logit" : "",
+                       report.right_known ? "" : " (here of yes: nothing is right or wrong)");
+}
+
+Table primary_table(const StatsReport& report, const StatsPart& part) {
+    Table table{.place = "primary/*",
+                .columns = heads({"comparison", "estimate", "interval_95|interval",
+                                  "chi_square|ratio", "p|p|p"})};
+    if (!report.table.primary) {
+        return table;
+    }
+    table.title = "  Primary test, as the protocol says: " + primary_title(report);
+    for (std::size_t f = 1; f < report.table.frictions.size(); ++f) {
+        table.rows.push_back(primary_row(report, part, f));
+    }
+    if (table.rows.size() > 1) {
+        table.notes.push_back(
+            fmt::format("{} comparisons, no p corrected for the others. The primary one, as in "
+                        "palpate power: {}, the largest friction.",
+                        table.rows.size(), report.table.primary_friction));
+    }
+    return table;
+}
 
 std::vector<Table> stats_tables(const StatsReport& report, const StatsPart& part) {
     std::vector<Table> all{primary_table(report, part), people_table(report, part),

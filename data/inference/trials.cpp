@@ -11,6 +11,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "protocols/observer/person.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 
@@ -140,13 +141,15 @@ std::string least_friction(Database& database, const AnswerChoice& choice) {
 }
 
 /// As the newest version of the protocol says.
-protocols::PrimaryTest primary_of(Database& database, const AnswerChoice& choice) {
-    return protocols::stored_protocol(database
-                                          .first("SELECT protocol_toml FROM study WHERE study_name "
-                                                 "= ?1 ORDER BY study_id DESC LIMIT 1",
-                                                 choice.study)
-                                          .text(0))
-        .analysis.primary;
+void add_primary(TrialTable& table, Database& database) {
+    const protocols::Protocol protocol = protocols::stored_protocol(
+        database
+            .first("SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC "
+                   "LIMIT 1",
+                   table.study)
+            .text(0));
+    table.primary = protocol.analysis.primary;
+    table.primary_friction = protocol.frictions[protocols::primary_pair(protocol).with].name;
 }
 
 std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
@@ -326,7 +329,7 @@ TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
     table.versions = versions_of(database);
     table.left_out = std::move(account);
     table.kind = choice.kind;
-    table.primary = primary_of(database, choice);
+    add_primary(table, database);
     if (table.alternatives > 0) {
         table.alternatives = std::max<std::size_t>(pictures_of(database, choice), 2);
     }

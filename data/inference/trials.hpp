@@ -38,6 +38,8 @@ struct TrialTable {
     std::string kind{};
     std::optional<protocols::PrimaryTest>
         primary{};  ///< of a database's study, as its protocol says
+    /// What the primary comparison is of, against the first: the largest of that protocol.
+    std::string primary_friction{};
     std::vector<std::string> subjects{};
     std::vector<std::string> shapes{};
     std::vector<std::string> frictions{};  ///< the first is what the others are compared with

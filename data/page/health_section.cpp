@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -79,6 +80,40 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
     return panel;
 }
 
+/// Every quantity that is not the same, by its verdict in the audit.
+/// @param several  comparisons: each is named
+void add_verdicts(PageWriter& page, const Audit& audit, bool several) {
+    std::array<std::size_t, 2> all{};  // of the hand, of the rig
+    std::array<std::size_t, 2> same{};
+    std::array<std::vector<std::string>, 4> others;
+    for (const AuditLine& line : audit.lines) {
+        const Sameness verdict = line.found ? line.found->verdict : Sameness::open;
+        const std::size_t rig = line.quantity->rig ? 1 : 0;
+        ++all.at(rig);
+        if (verdict == Sameness::same) {
+            ++same.at(rig);
+            continue;
+        }
+        const std::size_t place = verdict == Sameness::differs ? 0
+                                : verdict == Sameness::within  ? 1
+                                : line.found                   ? 2
+                                                               : 3;
+        others.at(place).push_back(fmt::format(
+            "{} ({}{})", line.quantity->title, rig == 1 ? "rig" : "hand",
+            several ? fmt::format(", {} - {}", line.friction, audit.base) : std::string()));
+    }
+    page.paragraph(fmt::format(
+        "{} of {} quantities of the rig and {} of {} of the hand are the same within their bounds.",
+        same[1], all[1], same[0], all[0]));
+    constexpr std::array kWords{"DIFFERS", "Differs, within bounds", "Not known, more people",
+                                "Not known, too few people"};
+    for (std::size_t i = 0; i < others.size(); ++i) {
+        if (!others.at(i).empty()) {
+            page.paragraph(fmt::format("{}: {}.", kWords.at(i), fmt::join(others.at(i), "; ")));
+        }
+    }
+}
+
 }  // namespace
 
 void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -95,17 +130,9 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
                       .width = 430.0,
                       .data = study.ask(audit_sql())};
     std::vector<std::string> frictions;
-    std::size_t same = 0;
-    std::size_t within = 0;
-    std::vector<std::string> differs;
     for (const AuditLine& line : audit.lines) {
         if (std::ranges::find(frictions, line.friction) == frictions.end()) {
             frictions.push_back(line.friction);
-        }
-        same += line.found && line.found->verdict == Sameness::same ? 1U : 0U;
-        within += line.found && line.found->verdict == Sameness::within ? 1U : 0U;
-        if (line.quantity->rig && line.found && line.found->verdict == Sameness::differs) {
-            differs.push_back(std::string(line.quantity->title));
         }
     }
     for (const std::string& friction : frictions) {
@@ -122,13 +149,7 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
     figure.results.push_back({.table = audit_table(*numbers.audit),
                               .command = numbers.audit_words,
                               .caption = "Each quantity, its 90 % interval and its bound"});
-    page.paragraph(fmt::format(
-        "{} of {} quantities are the same within their bounds{}.{}", same, audit.lines.size(),
-        within == 0 ? "" : fmt::format(", {} more differ, but within them", within),
-        differs.empty() ? " Nothing of the rig differs beyond doubt."
-                        : fmt::format(" Of the rig {}: {}.",
-                                      differs.size() == 1 ? "one differs" : "these differ",
-                                      fmt::join(differs, "; "))));
+    add_verdicts(page, audit, frictions.size() > 1);
     for (const AuditGap& gap : audit.gaps) {
         page.paragraph(fmt::format("There is {}.", gap_text(gap)));
     }

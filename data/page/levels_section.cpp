@@ -95,8 +95,11 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
 
 /// @param conditions  of the fit, whose colours the runs have
 void add_tracks(PageWriter& page, const Study& study, const std::vector<std::string>& conditions) {
+    const bool constant = constant_stimuli(study.protocol);
     PageFigure figure{
-        .id = "tracks", .title = "Adaptive tracks", .data = study.ask(page_query("tracks"))};
+        .id = "tracks",
+        .title = constant ? "Levels in the order in which they came" : "Adaptive tracks",
+        .data = study.ask(page_query("tracks"))};
     std::vector<std::string> runs = figure.data.levels("run_name");
     std::ranges::sort(runs, {}, [&](const std::string& run) {  // in the fit's colours
         return std::pair(std::ranges::find(conditions, run), run);
@@ -130,6 +133,8 @@ void add_tracks(PageWriter& page, const Study& study, const std::vector<std::str
     }
     figure.caption = estimates ? "Levels that each run's rule chose; broken: what the rule "
                                  "believed after each answer."
+                   : constant  ? "Levels of each run, in an order drawn for it, whatever was "
+                                 "answered."
                                : "Levels that each run's rule chose.";
     if (!figure.panels.empty()) {
         page.figure(figure);

@@ -82,25 +82,59 @@ std::string flow_html(const Study& study, const Rows& rows) {
 Results both_ways(const PageNumbers& numbers) {
     Results results{.table = {.columns = heads({"exclusions|", "comparison|", "people|", "answers|",
                                                 "difference_in_share|", "interval_95|", "t_p|",
-                                                "sign_flip_p|"})},
+                                                "sign_flip_p|", "wilcoxon_p|", "mixed_model_p|"})},
                     .command = numbers.stats_words,
-                    .caption = "The effect of friction, exclusions applied and not"};
+                    .caption =
+                        "The effect of friction, exclusions applied and not; the primary "
+                        "test, as the protocol says: " +
+                        primary_title(*numbers.stats)};
     const StatsReport& stats = *numbers.stats;
     const auto add = [&](const char* word, const StatsPart& part) {
         const Measure* share = find_measure(part, "share");
         for (std::size_t f = 1; share != nullptr && f < stats.table.frictions.size(); ++f) {
             if (const auto& effect = share->effects[f]) {
+                const auto mixed = std::ranges::find(part.mixed, f, &MixedStats::friction);
                 results.table.rows.push_back(
                     {word, comparison_text(stats, f), cell_of(effect->values.size()),
                      cell_of(part.trials), cell_of(effect->mean.mean),
                      cell_of(effect->mean.interval),
-                     effect->t ? Cell(effect->t->p) : Cell(Nothing{}), effect->flip.p});
+                     effect->t ? Cell(effect->t->p) : Cell(Nothing{}), effect->flip.p,
+                     effect->rank.p,
+                     mixed == part.mixed.end() ? Cell(Nothing{}) : Cell(no_effect_p(*mixed))});
             }
         }
     };
     add("applied", stats.applied);
     add("not applied", stats.not_applied ? *stats.not_applied : stats.applied);
     return results;
+}
+
+/// The cells of palpate stats' own table, rounded: the page computes no test.
+std::string primary_facts(const StatsReport& stats) {
+    std::string out;
+    for (const auto& row : primary_table(stats, stats.applied).rows) {
+        const Named name = std::get<Named>(row[0]);
+        const auto* none = std::get_if<Nothing>(&row[1]);
+        const auto* estimate = std::get_if<double>(&row[1]);
+        const auto* ends = std::get_if<Interval>(&row[2]);
+        const auto* p = std::get_if<double>(&row[4]);
+        const auto* no_p = std::get_if<Nothing>(&row[4]);
+        out += html_fact(
+            fmt::format("{}, {}", name.shown,
+                        name.key == stats.table.primary_friction ? "primary test"
+                                                                 : "not the primary comparison"),
+            estimate != nullptr ? replaced(fmt::format("{:+.3f}", *estimate), "-", "\u2212")
+                                : none->why,
+            fmt::format("{}{}{}",
+                        ends != nullptr
+                            ? "95 % " + replaced(interval_text(*ends), "-", "\u2212") + "; "
+                            : "",
+                        p == nullptr ? no_p->why.empty() ? "" : no_p->why + "; "
+                        : *p < 0.001 ? "p < 0.001; "
+                                     : fmt::format("p = {:.3f}; ", *p),
+                        primary_title(stats)));
+    }
+    return out;
 }
 
 }  // namespace
@@ -123,19 +157,8 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
                                  mean->interval ? "95 % " + interval_text(*mean->interval)
                                                 : "no interval: one value");
             }
-            if (const auto& effect = share->effects[f]) {
-                const auto& ends = effect->mean.interval;
-                out += html_fact(
-                    fmt::format("{} \u2212 {}, within person", friction,
-                                stats.table.frictions.front()),
-                    replaced(fmt::format("{:+.3f}", effect->mean.mean), "-", "\u2212"),
-                    (ends ? "95 % " + replaced(interval_text(*ends), "-", "\u2212")
-                          : "no interval") +
-                        (!effect->t             ? std::string()
-                         : effect->t->p < 0.001 ? "; p < 0.001"
-                                                : fmt::format("; p = {:.3f}", effect->t->p)));
-            }
         }
+        out += primary_facts(stats);
     }
     if (numbers.fit) {
         for (const OverPeople& one : numbers.fit->people) {

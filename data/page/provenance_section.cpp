@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/procedure/procedure.hpp"
+#include "data/inference/stats_tables.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/stored_progress.hpp"
 
@@ -66,7 +68,11 @@ std::string task_text(const protocols::Protocol& protocol) {
 
 std::string design_text(const protocols::Protocol& protocol) {
     if (protocol.procedure) {
-        return fmt::format("A rule chose what was felt by the answers so far, {}{}.",
+        return fmt::format("{}, {}{}.",
+                           constant_stimuli(protocol)
+                               ? "Every level was felt equally often, in an order drawn for each "
+                                 "run, whatever was answered"
+                               : "A rule chose what was felt by the answers so far",
                            counted(protocol.procedure->trials, "trial"),
                            protocol.runs.size() > 1 ? fmt::format(" of each of {} interleaved runs",
                                                                   protocol.runs.size())
@@ -120,25 +126,62 @@ std::string device_text(const Study& study) {
         pointer ? kPointer : "");
 }
 
+/// What d' is, where there is one.
+std::string sensitivity_text(const StatsReport& stats) {
+    return stats.yes_no ? stats.right_known ? " d' and criterion c are those of yes and no, with "
+                                              "the log-linear correction (Hautus 1995)."
+                                            : ""
+         : stats.table.alternatives < 2
+             ? ""
+             : fmt::format(
+                   " d' is that of an unbiased observer of {} alternatives (Green & "
+                   "Swets 1966).",
+                   stats.table.alternatives);
+}
+
 /// How people were tested, with what was drawn by chance.
-void add_tests(PageWriter& page, const StatsOptions& options) {
+void add_tests(PageWriter& page, const Study& study, const StatsReport& stats) {
+    const StatsOptions& options = stats.options;
     page.paragraph(fmt::format(
-        "The unit of all tests is the person; nothing pools the trials of several people. The "
-        "effect of friction is the difference within person, with Student's paired t and its 95 % "
+        "The primary test, as the protocol says, is the {}. The unit of all tests is the "
+        "person; nothing pools the trials of several people. The effect of friction is the "
+        "difference within person, with Student's paired t and its 95 % "
         "interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, exact, "
         "ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale {:.4f}). "
         "Means of shares have intervals by Student's t on the logit of the mean. A logistic mixed "
         "model with random intercepts and slopes follows, by Laplace's approximation and by "
         "adaptive Gauss-Hermite quadrature ({} nodes a side); the p of its likelihood ratio is "
-        "also that of {} samples of the fitted null. d' is that of an unbiased observer (Green & "
-        "Swets 1966); transmitted information is Miller and Madow's, against {} permutations; "
-        "confidence is judged by the area under the type 2 ROC (Galvin et al. 2003). Random "
-        "numbers begin with seed {}.",
-        options.prior_scale, options.nodes, options.simulations, options.permutations,
+        "also that of {} samples of the fitted null.{} Transmitted information is Miller and "
+        "Madow's, against {} permutations.{} Random numbers begin with seed {}.",
+        primary_title(stats), options.prior_scale, options.nodes, options.simulations,
+        sensitivity_text(stats), options.permutations,
+        study.protocol.response.confidence
+            ? " Confidence is judged by the area under the type 2 ROC (Galvin et al. 2003)."
+            : "",
         options.seed));
 }
 
+/// The commands whose tests are on the page.
+std::string commands_text(const Study& study, const PageNumbers& numbers) {
+    std::vector<std::string> all;
+    const auto add = [&](bool there, const std::string& words) {
+        if (there) {
+            all.push_back(fmt::format("<code>{}</code>", html_text(words)));
+        }
+    };
+    add(numbers.stats.has_value(), numbers.stats_words);
+    add(numbers.fit.has_value(), numbers.fit_words);
+    add(study.protocol.response.kind == protocols::ResponseKind::rating, summary_words(study));
+    add(numbers.audit.has_value(), numbers.audit_words);
+    return all.empty() ? std::string() : ", the tests with " + list_of(all);
+}
+
 }  // namespace
+
+bool constant_stimuli(const protocols::Protocol& protocol) {
+    return protocol.procedure &&
+           std::holds_alternative<protocols::ConstantStimuliSpec>(*protocol.procedure->rule.spec);
+}
 
 void add_provenance(PageWriter& page, const Study& study) {
     page.section("seals", "Seals and provenance");
@@ -186,7 +229,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
                     "with and without these exclusions. {} had a session.",
                     counted(study.people, "person", "people")));
     if (numbers.stats) {
-        add_tests(page, numbers.stats->options);
+        add_tests(page, study, *numbers.stats);
     }
     if (numbers.fit && !numbers.fit->curves.empty()) {
         page.paragraph(fmt::format(
@@ -205,12 +248,8 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     }
     page.html(
         fmt::format("<p>All numbers can be had again from the file: each figure's SQL with "
-                    "<code>palpate sql {0}{2} --csv</code>, the tests with <code>{1}</code>.</p>\n",
-                    html_text(study.file),
-                    html_text(numbers.stats ? numbers.stats_words
-                              : numbers.fit ? numbers.fit_words
-                                            : numbers.audit_words),
-                    study.seen));
+                    "<code>palpate sql {}{} --csv</code>{}.</p>\n",
+                    html_text(study.file), study.seen, commands_text(study, numbers)));
 }
 
 }  // namespace palpate::data

@@ -68,7 +68,7 @@ void add_means(PageWriter& page,
     Results results{
         .table = {.columns = heads(
                       {"felt|", "what|", "people|", "mean|", "interval_95|", "sign_flip_p|"})},
-        .command = fmt::format("palpate summary {}", study.file),
+        .command = summary_words(study),
         .caption = "Means over people and differences within person, with 95 % intervals"};
     for (const std::string& object : felt) {
         PairedPanel pairs = pairs_of(figure.data, "mean_level", frictions, Scale::numbers, object);
@@ -103,6 +103,10 @@ void add_means(PageWriter& page,
 }
 
 }  // namespace
+
+std::string summary_words(const Study& study) {
+    return fmt::format("palpate summary {}", study.file);
+}
 
 void add_ratings(PageWriter& page, const Study& study) {
     const protocols::ResponseSpec& asked = study.protocol.response;

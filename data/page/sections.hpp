@@ -38,6 +38,12 @@ void add_health(PageWriter& page, const Study& study);
 void add_provenance(PageWriter& page, const Study& study);
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers);
 
+/// Every level of a rule as often, whatever is answered.
+[[nodiscard]] bool constant_stimuli(const protocols::Protocol& protocol);
+
+/// The command that prints what the page says of ratings.
+[[nodiscard]] std::string summary_words(const Study& study);
+
 /// The protocol's frictions, the least first.
 [[nodiscard]] std::vector<std::string> frictions_of(const Study& study);
 

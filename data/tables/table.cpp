@@ -12,9 +12,9 @@
 namespace palpate::data {
 namespace {
 
-/// In the fewest digits that read back to the same bits; empty for what is not finite.
+/// In the fewest digits that read back to the same bits, inf too; empty for what is no number.
 std::string all_digits(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "";
+    return std::isnan(value) ? "" : fmt::format("{}", value);
 }
 
 std::string field_of(const Cell& cell) {

@@ -82,7 +82,7 @@ struct Table {
 void put_table(Json& all, const Table& table);
 
 /// Rows of fields, numbers in the fewest digits that read back to the same bits, an interval as two
-/// columns (low, high), nothing as an empty field.
+/// columns (low, high; inf where nothing bounds it), nothing as an empty field.
 struct Fields {
     std::vector<std::string> names{};
     std::vector<std::vector<std::string>> rows{};

@@ -127,6 +127,15 @@ double exponential_draw(Pcg32& random) noexcept {
     return -engine::natural_log(1.0 - uniform_draw(random));  // (0, 1]: never the logarithm of 0
 }
 
+FrictionPair primary_pair(const Protocol& protocol) {
+    const auto& all = protocol.frictions;
+    const auto place = [&](auto found) {
+        return static_cast<std::size_t>(found - all.begin());
+    };
+    return {.without = place(std::ranges::min_element(all, {}, &FrictionSpec::mu_s)),
+            .with = place(std::ranges::max_element(all, {}, &FrictionSpec::mu_s))};
+}
+
 void require_judged(const Protocol& protocol) {
     refuse_if(protocol.procedure || protocol.response.kind != ResponseKind::identification ||
                   !differ_in_curvature_alone(protocol),

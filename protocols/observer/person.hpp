@@ -66,6 +66,9 @@ struct FrictionPair {
     std::size_t without = 0;  ///< index into Protocol::frictions
     std::size_t with = 0;
 };
+/// The primary comparison: the largest static coefficient against the least, of equals the first.
+/// The same place twice where there is one alone.
+[[nodiscard]] FrictionPair primary_pair(const Protocol& protocol);
 
 /// What friction does to how often a person is right.
 struct LogitEffect {

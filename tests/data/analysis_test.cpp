@@ -159,6 +159,12 @@ TEST_CASE("a table says the same as text, JSON and fields, and why there is noth
           "person,friction,n,mean,p,low,high,wilson_low,wilson_high,gone\n"
           "A/1,on - off,3,-0.004,0.0002,0.25,1,0.1,0.2,\n"
           "A/1,off - off,12,,0.25,,,,,\n");
+    // An end that nothing bounds is another thing than no interval.
+    const double endless = std::numeric_limits<double>::infinity();
+    CHECK(table_csv(fields_of(
+              {.columns = {{.key = "interval_95"}},
+               .rows = {{Interval{-endless, 2.0}}, {Interval{1.0, endless}}, {Nothing{}}}})) ==
+          "low,high\n-inf,2\n1,inf\n,\n");
 }
 
 TEST_CASE("a table without rows says nothing, one across stands on its side, one may be a list",

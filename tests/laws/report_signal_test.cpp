@@ -39,7 +39,9 @@ TEST_CASE(
     const std::string html = slurp(page);
     CHECK_THAT(html, Has("id=\"sensitivity\"", "Sensitivity and criterion by friction",
                          "Share correct by friction, within person", "--json --signal convex",
-                         "Is confidence worth something?"));
+                         "Is confidence worth something?",
+                         "those of yes and no, with the log-linear correction (Hautus 1995)") &&
+                         !Has("unbiased observer"));
     const Finished stats = ran({"stats", file, "--kind", "simulated", "--signal", "convex",
                                 "--simulations", "199", "--json"});
     const Json numbers = Json::parse(stats.out);
@@ -122,7 +124,9 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     CHECK_THAT(html, Has("From 1 (\u201chollow &lt;5&gt;\u201d) to 5 "
                          "(\u201cround\u201d)",
                          "The question was \u201cHow convex?\u201d.",
-                         "confidence was given on four levels"));
+                         "confidence was given on four levels",
+                         "the tests with <code>palpate summary FILE</code> and <code>palpate "
+                         "audit"));
     // Nothing is right or wrong here: confidence has its means, and no calibration.
     CHECK_FALSE(sources.contains("simulated-confidence.csv"));
     CHECK_THAT(sources.at("simulated-learning.csv").csv, Has("response_s") && !Has("share"));

@@ -1,3 +1,5 @@
+#include <regex>
+
 #include "tests/support/json_of.hpp"
 
 // Where answers do not determine a number, fit and stats say so, and why.
@@ -77,6 +79,67 @@ TEST_CASE("digits tell an estimate from its interval, and single answers have no
     CHECK(curve["deviance_p"].is_null());
     CHECK_THAT(curve["deviance_why"].get<std::string>(), Has("single answers"));
     CHECK(fitted({folder.file("near.csv")})["curves"][0]["deviance_why"].is_null());
+}
+
+TEST_CASE("where the share does not grow no free rate has a number, unless another curve shares it",
+          "[fit][law]") {
+    const TemporaryFolder folder;
+    const auto flat = [&](int k) {
+        write(folder.file("flat.csv"),
+              fmt::format("stimulus,n,k\n1,20,{0}\n2,20,{0}\n3,20,{0}\n", k));
+        return fitted({folder.file("flat.csv"), "--guess", "free", "--lapse", "free", "--bootstrap",
+                       "0"})["curves"][0];
+    };
+    for (const int k : {0, 12, 20}) {
+        const Json curve = flat(k);
+        for (const char* rate : {"guess", "lapse"}) {
+            CAPTURE(k, rate);
+            CHECK(curve[rate]["estimate"].is_null());
+            CHECK(curve[rate]["why"] == "none: the share does not grow");
+        }
+    }
+    const Json given = fitted({folder.file("flat.csv"), "--guess", "0.5", "--bootstrap", "0"});
+    CHECK(given["curves"][0]["guess"]["estimate"] == 0.5);
+    CHECK(given["curves"][0]["lapse"]["estimate"] == 0.02);
+
+    std::string two = "stimulus,n,k,participant,condition\n";
+    for (const auto& [stimulus, k] :
+         {std::pair{1, 1}, std::pair{2, 8}, std::pair{3, 15}, std::pair{4, 19}, std::pair{5, 18}}) {
+        two += fmt::format("{0},20,{1},A,rises\n{0},20,20,A,flat\n", stimulus, k);
+    }
+    write(folder.file("two.csv"), two);
+    const Json both = fitted(
+        {folder.file("two.csv"), "--guess", "free", "--lapse", "shared", "--bootstrap", "0"});
+    for (const Json& curve : both["curves"]) {
+        CAPTURE(curve.dump());
+        CHECK(curve["lapse"]["estimate"].is_number());
+        CHECK(curve["guess"]["estimate"].is_null() == (curve["condition"] == "flat"));
+        CHECK(curve["log_likelihood_of"] == "all conditions of the person");
+        CHECK(curve["log_likelihood"].get<double>() ==
+              Approx(both["curves"][0]["log_likelihood"].get<double>()));
+    }
+    CHECK(given["curves"][0]["log_likelihood_of"] == "this curve");
+}
+
+TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and --help says so",
+          "[fit][law]") {
+    CHECK_THAT(std::regex_replace(ran({"fit", "--help"}).out, std::regex("\\s+"), " "),
+               Has("threshold=MEAN,SD (weibull: MEDIAN,SD of ln)"));
+    const TemporaryFolder folder;
+    const auto threshold = [&](double unit, const std::string& prior) {
+        std::string text = "stimulus,n,k\n";
+        for (const auto& [stimulus, k] :
+             {std::pair{1, 3}, std::pair{2, 5}, std::pair{3, 6}, std::pair{4, 9}}) {
+            text += fmt::format("{},10,{}\n", unit * stimulus, k);
+        }
+        write(folder.file("d.csv"), text);
+        return fitted({folder.file("d.csv"), "--function", "weibull", "--prior",
+                       "threshold=" + prior, "--bootstrap",
+                       "0"})["curves"][0]["threshold"]["estimate"]
+            .get<double>();
+    };
+    // The unit of the stimulus does not change what an sd of ln says.
+    CHECK(threshold(10.0, "8,0.1") == Approx(10.0 * threshold(1.0, "0.8,0.1")).epsilon(1e-6));
 }
 
 TEST_CASE("a response that no shape has is refused by its line, or kept by word", "[stats][law]") {

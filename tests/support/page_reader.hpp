@@ -145,14 +145,14 @@ inline void add_numbers(const nlohmann::ordered_json& json, std::set<std::string
     }
 }
 
-/// The fields of a CSV that are numbers, as add_numbers() writes them.
+/// The fields of a CSV that are numbers with an end, as add_numbers() writes them.
 inline Words numbers_of(std::string csv) {
     Words numbers;
     std::ranges::replace(csv, '\n', ',');
     for (const std::string& field : split(csv)) {
         double value = 0.0;
         const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-        if (error == std::errc() && end == field.data() + field.size()) {
+        if (error == std::errc() && end == field.data() + field.size() && std::isfinite(value)) {
             numbers.push_back(fmt::format("{}", value));
         }
     }

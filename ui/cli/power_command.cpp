@@ -130,18 +130,11 @@ std::optional<protocols::LogitEffect> effect_of(const PowerOptions& options) {
 /// The frictions that are compared: the least static one, and the one asked for or the largest.
 protocols::FrictionPair pair_of(const protocols::Protocol& protocol, const std::string& name) {
     const auto& all = protocol.frictions;
-    const auto by_mu = [](const auto& a, const auto& b) {
-        return a.mu_s < b.mu_s;
-    };
-    const auto place = [&](auto found) {
-        return static_cast<std::size_t>(found - all.begin());
-    };
-    protocols::FrictionPair pair{.without = place(std::ranges::min_element(all, by_mu)),
-                                 .with = place(std::ranges::max_element(all, by_mu))};
+    protocols::FrictionPair pair = protocols::primary_pair(protocol);
     if (!name.empty()) {
         const auto found = std::ranges::find(all, name, &protocols::FrictionSpec::name);
         refuse_if(found == all.end(), "--friction {}: {} has none of that name", name, protocol.id);
-        pair.with = place(found);
+        pair.with = static_cast<std::size_t>(found - all.begin());
     }
     refuse_if(all.size() == 1, "{}: two frictions are needed, one to compare with the other",
               protocol.id);

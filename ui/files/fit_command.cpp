@@ -159,8 +159,8 @@ void declare(CommandWords& words, FitWords& options) {
         .with_default();
     words
         .add("--prior", options.priors,
-             "What is believed before (MAP): threshold=MEAN,SD, slope=MEDIAN,SD of ln, guess=A,B, "
-             "lapse=A,B (beta)")
+             "What is believed before (MAP): threshold=MEAN,SD (weibull: MEDIAN,SD of ln), "
+             "slope=MEDIAN,SD of ln, guess=A,B, lapse=A,B (beta)")
         .again_for_each()
         .tells(options.of_curves);
     words.add("--at", options.at, "Also the stimulus at which this share of answers is 1")

@@ -1,0 +1,163 @@
+#include "tests/support/json_of.hpp"
+#include "tests/support/page_reader.hpp"
+#include "tests/support/sql_first.hpp"
+
+// What the page and palpate summary say of tests in words is what was tested.
+
+namespace {
+
+const Words kSimulated{"--kind", "simulated", "--simulations", "20"};
+
+/// Simulated people of four trials, six times, some of whom do not feel well.
+std::string simulated(const TemporaryFolder& folder,
+                      const std::string& more,
+                      const std::string& people) {
+    write(folder.file("p.toml"),
+          replaced(four_trials(), "repetitions = 1", "repetitions = 6") + more);
+    write(folder.file("observer.toml"),
+          "format = 1\n[hand]\nspeed_factor = 2.5\n[observer]\nnoise_per_m = 8\n[people]\n"
+          "noise_sd_ln = 0.4\n[friction]\nnoise_factor_per_mu = 2\n");
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--observer", folder.file("observer.toml"),
+         "--participants", people, "--no-traces", "--db", file});
+    return file;
+}
+
+const std::string kStrong =
+    "\n[[friction]]\nname = \"strong\"\nlaw = \"gos\"\nmu_s = 1.2\nmu_d = 1\ntau_slip_ms = 20\n"
+    "tau_heal_ms = 100\n";
+
+std::string after(const std::string& text, const std::string& mark, std::size_t length) {
+    const std::size_t at = text.find(mark);
+    return at == std::string::npos ? std::string() : text.substr(at, length);
+}
+
+/// Marks the answers of the people from `first` on with a friction.
+void mark_all(const std::string& file, const std::string& friction, int first) {
+    sql_edit(file, fmt::format("UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT "
+                               "trial_id FROM analysis_trial WHERE friction = '{}' AND session_id "
+                               ">= {})",
+                               friction, first));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the page's headline is the protocol's primary test by its name, with the numbers of "
+    "palpate stats, and all four tests stand in the flow's table",
+    "[report][stats][law]") {
+    const auto& [primary, title] =
+        GENERATE(std::pair{"paired_t", "paired t of the share"},
+                 std::pair{"sign_flip", "exact sign-flip test of the share"},
+                 std::pair{"signed_rank", "Wilcoxon signed-rank test of the share"},
+                 std::pair{"mixed", "likelihood ratio of the logistic mixed model"});
+    const TemporaryFolder folder;
+    const std::string file =
+        simulated(folder, fmt::format("\n[analysis]\nprimary = \"{}\"\n", primary), "6");
+    const Json part = json_of(joined({"stats", file}, kSimulated))["applied"];
+    const Json& first = part["primary"]["on"];
+    const std::string page = page_of(file, kSimulated);
+    const std::string fact = after(page, "<dt>on - off, primary test</dt>", 300);
+    CAPTURE(primary, first.dump(), fact);
+    const double estimate = first["estimate"];
+    CHECK_THAT(fact,
+               Has(fmt::format("{}{:.3f}", estimate < 0.0 ? "\u2212" : "+", std::fabs(estimate)),
+                   fmt::format("; p = {:.3f}; ", first["p"].get<double>()).substr(2), title));
+    CHECK(count_of(page, ", primary test</dt>") == 1);
+    CHECK_THAT(page, Has("The primary test, as the protocol says, is the " + std::string(title)));
+    const Json& share = part["measures"]["share"]["effects"]["on"];
+    std::string row;
+    for (const Json& p : {share["t_p"], share["sign_flip_p"], share["wilcoxon_p"],
+                          part["mixed_model"]["on"]["laplace"]["no_effect"]["p"]}) {
+        row += fmt::format(",{}", p.get<double>());
+    }
+    std::string tables;
+    for (const std::string& address : between(page, "href=\"data:text/csv", "\"")) {
+        tables += of_address(address);
+    }
+    CHECK(count_of(tables, row + "\n") == 2);  // exclusions applied, and not
+}
+
+TEST_CASE("of three frictions stats, page and power say the same one to be primary",
+          "[report][stats][power][law]") {
+    const TemporaryFolder folder;
+    // By name it is the last but one: what is primary follows from the friction.
+    const std::string file = simulated(folder,
+                                       kStrong + edited(kStrong, {{"strong", "weak"},
+                                                                  {"mu_s = 1.2", "mu_s = 0.2"},
+                                                                  {"mu_d = 1", "mu_d = 0.1"}}),
+                                       "5");
+    const std::string page = page_of(file, kSimulated);
+    CHECK_THAT(page, Has("<dt>strong - off, primary test</dt>",
+                         "<dt>on - off, not the primary comparison</dt>",
+                         "<dt>weak - off, not the primary comparison</dt>"));
+    const Words stats = joined({"stats", file}, kSimulated);
+    const std::string text = ran(stats).out;
+    CHECK_THAT(after(text, "Primary test, as", 1000),
+               Has("3 comparisons, no p corrected for the others. The primary one, as in palpate "
+                   "power: strong, the largest friction."));
+    CHECK_THAT(ran({"power", folder.file("p.toml"), "--effect", "-2", "--observer",
+                    folder.file("observer.toml"), "--participants", "6", "--studies", "100",
+                    "--hands", "1"})
+                   .out,
+               Has("strong against off"));
+}
+
+TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row",
+          "[summary][law]") {
+    const TemporaryFolder folder;
+    const std::string file = simulated(folder, kStrong, "7");
+    const auto note = [&] {
+        return after(ran({"summary", file}).out, "within person", 900);
+    };
+    CHECK_THAT(note(), Has("sign-flip: all 128 patterns of signs") && !Has("too few"));
+    mark_all(file, "strong", 5);
+    CHECK_THAT(note(), Has("sign-flip of 4 people: all 16 patterns of signs",
+                           "sign-flip of 7 people: all 128 patterns of signs",
+                           "4 people are too few to show a difference: no sign-flip p is below "
+                           "0.125") &&
+                           !Has("7 people are"));
+    mark_all(file, "off", 6);
+    CHECK_THAT(note(), Has("5 people are too few to show a difference: no sign-flip p is below "
+                           "0.0625"));
+}
+
+TEST_CASE("the page names every quantity that is not the same, with the audit's verdict",
+          "[report][audit][law]") {
+    const TemporaryFolder folder;
+    const std::string more = GENERATE(std::string(), kStrong);
+    const std::string file = simulated(folder, more, "4");
+    sql_edit(file, "UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
+    const Words verdicts{"DIFFERS", "differs, within bounds", "not known: more people",
+                         "too few people", "the same"};
+    const Words heads{"<p>DIFFERS: ", "<p>Differs, within bounds: ", "<p>Not known, more people: ",
+                      "<p>Not known, too few people: "};
+    const std::string page = page_of(file, kSimulated);
+    std::array<std::size_t, 5> found{};
+    for (const std::string& line : lines_in(ran({"audit", file, "--kind", "simulated"}).out)) {
+        const auto verdict = std::ranges::find_if(
+            verdicts, [&](const std::string& one) { return line.ends_with("  " + one); });
+        if (verdict == verdicts.end()) {
+            continue;
+        }
+        const auto place = static_cast<std::size_t>(verdict - verdicts.begin());
+        ++found.at(place);
+        const std::size_t begin = line.find_first_not_of(' ');
+        const std::string title = line.substr(begin, line.find("  ", begin) - begin);
+        CAPTURE(line, title);
+        if (place < heads.size()) {
+            const std::string said = after(page, heads.at(place), 3000);
+            CHECK_THAT(said.substr(0, said.find("</p>")), Has(title + " ("));
+        }
+    }
+    CHECK(found[0] > 0);
+    CHECK(found[2] > 0);
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+        const std::string said = after(page, heads.at(i), 3000);
+        CHECK(count_of(said.substr(0, said.find("</p>")), "(rig") +
+                  count_of(said.substr(0, said.find("</p>")), "(hand") ==
+              found.at(i));
+    }
+    CHECK_THAT(page, Has(more.empty() ? "start, to the right (rig)"
+                                      : "start, to the right (rig, on - off)"));
+}
