@@ -79,6 +79,9 @@ private:
 [[nodiscard]] double measure(const Footing& at,
                              const SurfaceStep& step,
                              const SurfaceSpot& s) noexcept;
+/// Where the tangents nearly vanish, or are one, rounding has a say in where the flow leads.
+/// @param size  of the surface, m
+[[nodiscard]] bool singular(const SurfaceJet& jet, double size) noexcept;
 /// How far from the cone a step ends, m.
 [[nodiscard]] double left(const Footing& at,
                           const SurfaceStep& step,
