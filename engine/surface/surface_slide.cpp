@@ -14,6 +14,9 @@ using Way = Footing::Way;
 /// Way beside the flow that is reported, of the size.
 constexpr double kAstray = 1e-8;
 
+/// So often a step is shortened until it does as it promised.
+constexpr int kDoubts = 8;
+
 /// The walk of one tick.
 class Slider {
 public:
@@ -153,6 +156,7 @@ private:
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;
         bool tried = false;
+        int doubts = 0;
         while (!tired()) {
             const SurfaceStep step = cut(s, step_of(at, steps, length));
             if (still(step)) {
@@ -162,10 +166,17 @@ private:
             const double fall = s.r2 - next.r2;
             // Lower by more than rounding, or as low and much nearer to the cone.
             if (fall > noise || (fall >= -noise && left(at, step, next) <= 0.5 * at.excess)) {
+                // What does not as it promised may leap over a foot.
+                const bool leaps = ground_.mu() == 0.0 && !steps.believed(step, next, fall, noise);
+                if (leaps && doubts++ < kDoubts) {
+                    length = 0.25 * std::min(length, step.length);
+                    continue;
+                }
+                strays_ = leaps || (strays_ && ground_.mu() > 0.0);
                 const SurfaceSpot end = over(at, next, step) ? close_in(at, step, next) : next;
                 if (s.r2 - end.r2 >= -noise) {  // not so where the cone lies behind a rise
                     last_ = step.length;
-                    trust_ = tried || trust_ < 1e299 ? 3.0 * length : trust_;
+                    trust_ = tried || doubts > 0 || trust_ < 1e299 ? 3.0 * length : trust_;
                     return end;
                 }
                 tried = true;

@@ -37,7 +37,8 @@ inline constexpr Work kSlideWork = 150'000;
 ///     ds = (|t| - mu nu) / (1 - kappa (nu + mu |t|))    with kappa the normal curvature along t,
 ///
 /// twice the one before where the cone lies further than that promises, and a quarter if |r| did
-/// not fall. The end lies on the cone, on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
+/// not fall, or without friction not as promised: then a foot may lie on the way. The end lies on
+/// the cone, on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
 ///
 /// On an edge all patches that meet there are asked (SurfaceGround::footing): the GO goes on into
 /// one of them, along the edge, or stays where every way is barred: at an open border, and in a

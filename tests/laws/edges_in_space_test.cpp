@@ -39,13 +39,13 @@ std::string in_space(const Corner& c) {
     return all;
 }
 
-struct Felt {
+struct EdgeFelt {
     std::string mode;
     double fn, ft, fx, fy, held;
 };
 
-std::vector<Felt> felt(const std::string& scene, const std::string& path, std::size_t cp) {
-    std::vector<Felt> all;
+std::vector<EdgeFelt> edge_felt(const std::string& scene, const std::string& path, std::size_t cp) {
+    std::vector<EdgeFelt> all;
     const std::size_t n = cp == 4 ? 2 : 3;  // axes
     for (const auto& row : csv_body(said_of("render", scene, path))) {
         const auto number = [&row](std::size_t column) {
@@ -71,7 +71,7 @@ std::string law_of(Random& random, double mu) {
 
 /// t, x and z of a hand that goes to and fro over the vertex, then comes in at one side, goes on to
 /// near the middle, and leaves upwards, again and again.
-std::vector<std::array<double, 3>> hand(Random& random) {
+std::vector<std::array<double, 3>> edge_hand(Random& random) {
     double hz[4];
     double phase[4];
     for (std::size_t k = 0; k < 4; ++k) {
@@ -102,6 +102,62 @@ std::vector<std::array<double, 3>> hand(Random& random) {
     return path;
 }
 
+/// A curve of degree 3 with two more points between its ends, and the same extruded.
+struct WavySide {
+    std::array<engine::Vec2, 6> points{};
+    std::array<double, 6> weights{};
+
+    [[nodiscard]] std::string in_plane() const {
+        Words p;
+        for (const engine::Vec2& q : points) {
+            p.push_back(fmt::format("[{}, {}]", q.x, q.y));
+        }
+        return fmt::format(
+            "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 2, 2.5, 2.5, 2.5, "
+            "2.5]\npoints_m = [{}]\nweights = [{}]\n",
+            fmt::join(p, ", "), fmt::join(weights, ", "));
+    }
+    [[nodiscard]] std::string in_space() const {
+        Words p;
+        Words w;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const engine::Vec2& q = points[k];
+            p.push_back(fmt::format("[[{0}, -0.2, {1}], [{0}, 0.2, {1}]]", q.x, q.y));
+            w.push_back(fmt::format("[{0}, {0}]", weights[k]));
+        }
+        return fmt::format(
+            "[[surface]]\ndegree_u = 3\ndegree_v = 1\nknots_u = [0, 0, 0, 0, 1, 2, 2.5, 2.5, 2.5, "
+            "2.5]\nknots_v = [0, 0, 1, 1]\npoints_m = [{}]\nweights = [{}]\n",
+            fmt::join(p, ", "), fmt::join(w, ", "));
+    }
+};
+
+/// A clockwise outline of three to five wavy sides around the origin, some 40 mm away.
+std::vector<WavySide> wavy(Random& random) {
+    const auto n = static_cast<std::size_t>(3 + random.below(3));
+    std::vector<engine::Vec2> corners;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double turn =
+            (static_cast<double>(k) + random.in(-0.2, 0.2)) / static_cast<double>(n);
+        const double angle = -6.283185307179586 * turn;
+        corners.push_back(random.in(0.025, 0.05) * engine::Vec2{std::cos(angle), std::sin(angle)});
+    }
+    std::vector<WavySide> sides(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        const engine::Vec2 from = corners[k];
+        const engine::Vec2 along = corners[(k + 1) % n] - from;
+        const engine::Vec2 aside{-along.y, along.x};
+        for (std::size_t i = 0; i < 6; ++i) {
+            const bool inner = i > 0 && i < 5;
+            sides[k].points[i] = from + (static_cast<double>(i) / 5.0) * along +
+                                 (inner ? random.in(-0.2, 0.3) : 0.0) * aside;
+            sides[k].weights[i] = random.decade(-0.7, 0.7);
+        }
+        sides[k].points[5] = corners[(k + 1) % n];
+    }
+    return sides;
+}
+
 }  // namespace
 
 TEST_CASE("a wedge and a groove are felt in space as in the plane, and friction stays in its cone",
@@ -123,19 +179,19 @@ TEST_CASE("a wedge and a groove are felt in space as in the plane, and friction 
         law_of(random, mu);
     std::string plane_path = "t_s,x_m,y_m\n";
     std::string space_path = "t_s,x_m,y_m,z_m\n";
-    for (const auto& [t, x, z] : hand(random)) {
+    for (const auto& [t, x, z] : edge_hand(random)) {
         plane_path += fmt::format("{},{},{}\n", t, x, z);
         space_path += fmt::format("{},{},0.01,{}\n", t, x, z);
     }
-    const auto plane = felt(common + in_plane(corner), plane_path, 4);
-    const auto space = felt(common + in_space(corner), space_path, 5);
+    const auto plane = edge_felt(common + in_plane(corner), plane_path, 4);
+    const auto space = edge_felt(common + in_space(corner), space_path, 5);
     CAPTURE(seed, wedge, left, right, common);
     REQUIRE(plane.size() == 3920);
     REQUIRE(space.size() == 3920);
     std::size_t touched = 0;
     for (std::size_t k = 0; k < plane.size(); ++k) {
-        const Felt& a = plane[k];
-        const Felt& b = space[k];
+        const EdgeFelt& a = plane[k];
+        const EdgeFelt& b = space[k];
         CAPTURE(k, a.mode, b.mode, a.fn, b.fn, a.ft, b.ft, a.fx, b.fx, a.fy, b.fy);
         touched += a.mode == "FREE" ? 0U : 1U;
         REQUIRE((a.mode == "FREE") == (b.mode == "FREE"));
@@ -147,4 +203,50 @@ TEST_CASE("a wedge and a groove are felt in space as in the plane, and friction 
         REQUIRE((damping > 0.0 || b.ft <= mu * b.fn + 1e-9));
     }
     CHECK(touched > 200);
+}
+
+TEST_CASE(
+    "without friction a god-object goes to the first foot of its way in space as in the plane",
+    "[cli][surface][law]") {
+    const auto seed = GENERATE(seeds(12U));
+    CAPTURE(seed);
+    Random random(seed + 4200U);
+    std::string plane_scene = "[friction]\nlaw = \"frictionless\"\n";
+    std::string space_scene = plane_scene;
+    for (const WavySide& side : wavy(random)) {
+        plane_scene += side.in_plane();
+        space_scene += side.in_space();
+    }
+    // From outside to the middle, and then in leaps.
+    std::string plane_path = "t_s,x_m,y_m\n";
+    std::string space_path = "t_s,x_m,y_m,z_m\n";
+    std::size_t ticks = 0;
+    const auto goes = [&](double far, double angle) {
+        const double t = 1e-3 * static_cast<double>(ticks++);
+        const double x = far * std::cos(angle);
+        const double y = far * std::sin(angle);
+        plane_path += fmt::format("{},{},{}\n", t, x, y);
+        space_path += fmt::format("{},{},0.01,{}\n", t, x, y);
+    };
+    for (int k = 0; k < 30; ++k) {
+        const double angle = random.in(0.0, 6.28);
+        for (int step = 0; step < 60; ++step) {
+            goes(0.09 - 0.07 * step / 59.0, angle);
+        }
+        for (int leap = 0; leap < 4; ++leap) {
+            goes(random.in(0.002, 0.02), random.in(0.0, 6.28));
+        }
+    }
+    const auto plane = edge_felt(plane_scene, plane_path, 4);
+    const auto space = edge_felt(space_scene, space_path, 5);
+    REQUIRE(plane.size() == ticks);
+    REQUIRE(space.size() == ticks);
+    for (std::size_t k = 0; k < ticks; ++k) {
+        const EdgeFelt& a = plane[k];
+        const EdgeFelt& b = space[k];
+        CAPTURE(k, a.mode, b.mode, a.fx, b.fx, a.fy, b.fy);
+        REQUIRE(a.held == b.held);
+        REQUIRE(std::fabs(a.fx - b.fx) < 1e-6);
+        REQUIRE(std::fabs(a.fy - b.fy) < 1e-6);
+    }
 }
