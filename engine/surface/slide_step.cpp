@@ -4,6 +4,21 @@
 #include <cmath>
 
 namespace palpate::engine {
+namespace {
+
+/// Sine of the angle between tangents, and their length by the size, below which a place is
+/// singular.
+constexpr double kSingular = 1e-7;
+
+}  // namespace
+
+bool singular(const SurfaceJet& j, double size) noexcept {
+    const double e = glm::dot(j.du, j.du);
+    const double g = glm::dot(j.dv, j.dv);
+    const Vec3 area = glm::cross(j.du, j.dv);
+    const double tiny = kSingular * kSingular * size * size;
+    return e < tiny || g < tiny || glm::dot(area, area) < kSingular * kSingular * (e * g);
+}
 
 SurfaceStep step_of(const Footing& at, const SurfaceSteps& steps, double length) noexcept {
     if (at.way != Footing::Way::open) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "engine/surface/surface_ground.hpp"
 
 namespace palpate::engine {
@@ -43,6 +45,20 @@ public:
                (0.5 * (uu_ * d.du * d.du + vv_ * d.dv * d.dv) + uv_ * d.du * d.dv);
     }
 
+    /// What a step came to is what the model said, or nearly: |r|^2 fell so far, within a quarter,
+    /// and the drive along it too, within a half. Then no foot was leapt over.
+    /// @param fall  of |r|^2, m^2
+    [[nodiscard]] bool believed(const SurfaceStep& d,
+                                const SurfaceSpot& to,
+                                double fall,
+                                double noise) const noexcept {
+        const double promised = 2.0 * this->fall(d);
+        const double drive = slope_.x * d.du + slope_.y * d.dv;
+        const double left = glm::dot(to.r, d.du * to.jet.du + d.dv * to.jet.dv);
+        return std::fabs(fall - promised) <= 0.25 * promised + noise &&
+               std::fabs(left - (promised - drive)) <= 0.5 * drive + noise;
+    }
+
 private:
     [[nodiscard]] Vec2 at(double lambda) const noexcept;
     /// @param x  along the axes, m
@@ -79,6 +95,9 @@ private:
 [[nodiscard]] double measure(const Footing& at,
                              const SurfaceStep& step,
                              const SurfaceSpot& s) noexcept;
+/// Where the tangents nearly vanish, or are one, rounding has a say in where the flow leads.
+/// @param size  of the surface, m
+[[nodiscard]] bool singular(const SurfaceJet& jet, double size) noexcept;
 /// How far from the cone a step ends, m.
 [[nodiscard]] double left(const Footing& at,
                           const SurfaceStep& step,

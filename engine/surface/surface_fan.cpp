@@ -8,8 +8,6 @@
 namespace palpate::engine {
 namespace {
 
-/// Patches whose normals differ by less are smooth, rad.
-constexpr double kSmooth = 1e-6;
 constexpr int kAlongSteps = 12;
 
 /// The normals between two of one edge, and the ways square to them and to it.
@@ -36,14 +34,7 @@ struct Normals {
 };
 
 SurfaceSpot with_normal(SurfaceSpot s, const Vec3& normal, double mu) noexcept {
-    const Stretch<3> parts = stretch<3>(s.r, normal);
-    s.normal = normal;
-    s.along = parts.tangential;
-    s.length = parts.length;
-    s.load = parts.load;
-    s.cone = cone_radius<true>(mu, s.load);
-    s.excess = s.length - s.cone;
-    s.rounding = 1e-14 * s.cone + s.noise;
+    feel(s, normal, mu);
     return s;
 }
 
@@ -151,8 +142,7 @@ double since(double then, double now) noexcept {
 }  // namespace
 
 bool falls_away(const SurfaceSpot& a, const SurfaceSpot& b) noexcept {
-    const Vec3 turn = glm::cross(a.normal, b.normal);
-    if (glm::dot(turn, turn) < kSmooth * kSmooth && glm::dot(a.normal, b.normal) > 0.0) {
+    if (smooth(a.normal, b.normal)) {
         return false;
     }
     Vec3 into{};

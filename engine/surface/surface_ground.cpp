@@ -43,6 +43,13 @@ void SurfaceGround::measure(SurfaceSpot& s) const noexcept {
     s.rounding = 1e-14 * s.cone + s.noise;
 }
 
+void SurfaceGround::own_normal(Footing& at) const noexcept {
+    if (at.crease) {
+        at.crease = false;
+        measure(at.spot);
+    }
+}
+
 double SurfaceGround::turn(const SurfaceSpot& s) const noexcept {
     const SurfaceJet& j = s.jet;
     const double a = glm::length(j.du);
@@ -110,10 +117,17 @@ void SurfaceGround::footing(Footing& best) noexcept {
     on_patch(best);
     const SurfacePlace p = best.spot.place;
     const bool rests = best.way == Footing::Way::rests;
-    if ((rests && mu_ > 0.0) || !(at_end(p.u) || at_end(p.v))) {
+    if (!(at_end(p.u) || at_end(p.v))) {
         return;
     }
+    const bool on_one_edge = at_end(p.u) != at_end(p.v);
     const bool pole = surface_.pole_u(p) || surface_.pole_v(p);
+    if (rests && mu_ > 0.0) {
+        if (on_one_edge && !pole) {
+            rest_in_crease(best);
+        }
+        return;
+    }
     if (!pole && best.way == Footing::Way::open) {
         return;
     }
@@ -122,15 +136,32 @@ void SurfaceGround::footing(Footing& best) noexcept {
         best = rests ? best : at_pole(p);
         return;
     }
-    const bool on_one_edge = at_end(p.u) != at_end(p.v);
+    const Vec3 edge = edge_of(best.spot);
+    bool crease = false;
     for (std::size_t k = 1; k < all.count; ++k) {
         Footing next{look(all.places[k])};
         on_patch(next);
         // Both barred: along their edge both are driven alike, and the one that carries more
         // brakes.
         const bool brakes = on_one_edge && barred(next) && barred(best);
+        if (on_one_edge && barred(best) && leads_off(next.spot)) {
+            const Between sides = between(best.spot, next.spot);
+            if (sides == Between::tip) {
+                best = next;
+                best.way = Footing::Way::over;
+                return;
+            }
+            crease = crease || sides == Between::crease;
+        }
         const bool takes = brakes ? next.spot.load > best.spot.load : better(next, best);
         best = takes ? next : best;
+    }
+    if (crease && best.way != Footing::Way::open) {
+        in_crease(best, edge);
+    } else if (on_one_edge && mu_ > 0.0 && best.way == Footing::Way::rests) {
+        rest_in_crease(best);
+    } else if (!on_one_edge) {
+        at_corner(best, all);
     }
 }
 
@@ -159,36 +190,18 @@ Footing SurfaceGround::at_pole(const SurfacePlace& place) noexcept {
     double steepest = -1e301;
     SurfacePlace found = place;
     bool found_in_u = false;
-    constexpr int kPerPatch = 8;
     const SurfaceObject::Around all = surface_.around(place);
-    for (std::size_t m = 0; m < all.count; ++m) {
-        const SurfacePlace& end = all.places[m];
-        const bool in_u = surface_.pole_u(end);
-        if (!in_u && !surface_.pole_v(end)) {
-            continue;
+    round_pole(all, [&](const SurfacePlace& p, bool in_u) {
+        const double match = way_off(p, in_u);
+        if (match > steepest) {
+            steepest = match;
+            found = p;
+            found_in_u = in_u;
         }
-        const NurbsSurface& patches = surface_.surface_of(end);
-        const bool begins = (in_u ? end.j : end.i) == 0 && (in_u ? end.v : end.u) == 0.0;
-        if (!begins) {
-            continue;  // each pole once
-        }
-        const std::size_t count = in_u ? patches.columns() : patches.rows();
-        for (std::size_t k = 0; k < count; ++k) {
-            for (int step = 0; step <= kPerPatch; ++step) {
-                SurfacePlace p = end;
-                (in_u ? p.j : p.i) = k;
-                (in_u ? p.v : p.u) = static_cast<double>(step) / kPerPatch;
-                const double match = way_off(p, in_u);
-                if (match > steepest) {
-                    steepest = match;
-                    found = p;
-                    found_in_u = in_u;
-                }
-            }
-        }
-    }
+    });
     Footing best{look(found), Footing::Way::held, 0.0};
     best.excess = steepest - best.spot.cone;
+    const Vec3 way = found_in_u ? best.spot.jet.du : best.spot.jet.dv;
     if (settled(best.spot)) {
         best.way = Footing::Way::rests;
     } else if (best.excess > best.spot.rounding) {
@@ -203,7 +216,40 @@ Footing SurfaceGround::at_pole(const SurfacePlace& place) noexcept {
             best = better(next, best) ? next : best;
         }
     }
+    if (best.way == Footing::Way::held && !all.open) {
+        Vec3 outwards{};
+        round_pole(all, [&](const SurfacePlace& p, bool) { outwards += look(p).normal; });
+        if (glm::dot(best.spot.r, outwards) > 0.0) {
+            best.way = Footing::Way::over;
+        } else {
+            in_crease(best, steepest > 0.0 ? way : Vec3{});
+        }
+    }
     return best;
+}
+
+/// Looks at places all round a pole.
+template <class Ask>
+void SurfaceGround::round_pole(const SurfaceObject::Around& all, const Ask& ask) const noexcept {
+    constexpr int kPerPatch = 8;
+    for (std::size_t m = 0; m < all.count; ++m) {
+        const SurfacePlace& end = all.places[m];
+        const bool in_u = surface_.pole_u(end);
+        const bool begins = (in_u ? end.j : end.i) == 0 && (in_u ? end.v : end.u) == 0.0;
+        if ((!in_u && !surface_.pole_v(end)) || !begins) {
+            continue;  // each pole once
+        }
+        const NurbsSurface& patches = surface_.surface_of(end);
+        const std::size_t count = in_u ? patches.columns() : patches.rows();
+        for (std::size_t k = 0; k < count; ++k) {
+            for (int step = 0; step <= kPerPatch; ++step) {
+                SurfacePlace p = end;
+                (in_u ? p.j : p.i) = k;
+                (in_u ? p.v : p.u) = static_cast<double>(step) / kPerPatch;
+                ask(p, in_u);
+            }
+        }
+    }
 }
 
 /// Part of the stretch along the way from an edge into the surface.
@@ -214,10 +260,6 @@ double SurfaceGround::way_off(const SurfacePlace& p, bool in_u) noexcept {
     const Vec3 inwards = side * (in_u ? jet.du : jet.dv);
     const double length = glm::length(inwards);
     return length > 0.0 ? glm::dot(inwards, h_ - jet.point) / length : -1e300;
-}
-
-bool SurfaceGround::enclosed(const SurfacePlace& p) const noexcept {
-    return !surface_.around(p).open;
 }
 
 bool SurfaceGround::to_pole(SurfacePlace& p) const noexcept {

@@ -30,11 +30,19 @@ struct Footing {
         along_u,  ///< along an edge v = 0 or 1, as u changes
         along_v,  ///< along an edge u = 0 or 1
         held,     ///< out of the cone, but every way on is barred
+        over,     ///< so, and HIP is in front of a convex edge or tip: nothing holds it
     };
     SurfaceSpot spot;  ///< on the patch on which it goes on
     Way way = Way::rests;
     double excess = 0.0;  ///< of the drive in that way, m
+    bool crease = false;  ///< the spot has the felt normal of a concave crease (against_hip)
 };
+
+/// Of two patches: their normals are one, within 1e-6 rad.
+[[nodiscard]] bool smooth(const Vec3& a, const Vec3& b) noexcept;
+
+/// The spot as it is felt with another normal.
+void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept;
 
 /// What the god-object finds under its feet.
 class SurfaceGround {
@@ -77,7 +85,9 @@ public:
 
     /// Where the GO goes on from at.spot. Inside a patch it follows its drive. On an edge all
     /// patches that meet there are asked, and the drive is the projection of the stretch on what
-    /// each of them has to offer: the patch, or its edge. The steepest one wins.
+    /// each of them has to offer: the patch, or its edge. The steepest one wins. Where all bar the
+    /// way, HIP is either behind a concave crease, whose sides carry together, or in front of a
+    /// convex edge, which lets go.
     void footing(Footing& at) noexcept;
 
     /// What the patch of at.spot alone has to offer: the projection of the stretch on it.
@@ -86,9 +96,11 @@ public:
     /// sides that way was measured on is a matter of last bits.
     [[nodiscard]] Footing carrier(const SurfaceSpot& s) noexcept;
 
-    /// The place is on an edge between two patches or on a point that patches surround, not on an
-    /// open border.
-    [[nodiscard]] bool enclosed(const SurfacePlace& p) const noexcept;
+    /// In a concave crease or pit: the normal of its internal fan that lies nearest to the force,
+    /// away from HIP and square to the only way that is left, if any.
+    void against_hip(SurfaceSpot& s, const Vec3& way) const noexcept;
+    /// Back to that of its patch.
+    void own_normal(Footing& at) const noexcept;
 
     /// The collapsed edge (a pole) that ends the patch of `s`, moved there; false if there is none.
     [[nodiscard]] bool to_pole(SurfacePlace& p) const noexcept;
@@ -96,7 +108,23 @@ public:
 private:
     void measure(SurfaceSpot& s) const noexcept;
     [[nodiscard]] int rank(const Footing& f) const noexcept;
+    /// The drive leads off the patch.
+    [[nodiscard]] static bool leads_off(const SurfaceSpot& s) noexcept;
+    /// Along the edge that the place is on.
+    [[nodiscard]] static Vec3 edge_of(const SurfaceSpot& s) noexcept;
+    /// Two sides of an edge that both bar the way over it.
+    enum class Between : std::uint8_t { smooth, crease, tip };
+    [[nodiscard]] static Between between(const SurfaceSpot& a, const SurfaceSpot& b) noexcept;
+    [[nodiscard]] bool look_beyond(const Footing& at,
+                                   SurfaceHeading& over,
+                                   SurfaceSpot& s) noexcept;
+    [[nodiscard]] bool crease_beyond(const Footing& at) noexcept;
+    void rest_in_crease(Footing& at) noexcept;
+    void in_crease(Footing& at, const Vec3& way) const noexcept;
+    void at_corner(Footing& best, const SurfaceObject::Around& all) noexcept;
     [[nodiscard]] Footing at_pole(const SurfacePlace& place) noexcept;
+    template <class Ask>
+    void round_pole(const SurfaceObject::Around& all, const Ask& ask) const noexcept;
     [[nodiscard]] bool better(const Footing& next, const Footing& best) const noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;
 

@@ -100,15 +100,14 @@ SurfaceSlide SurfaceScene::move(SurfaceState& state,
                        feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
     const SurfaceFan fan = state.fan;
-    const SurfaceSlide slide = !slewed
-                                 ? slide_on_surface<HasFriction>(object(), from, h, mu)
-                                 : slide_on_surface<HasFriction>(
-                                       object(), from, h, mu,
-                                       {.from = from_hip - object().origin(),
-                                        .budget = 2.0 * glm::length(hip - from_hip) +
-                                                  spec_.contact.slew.speed * spec_.contact.period,
-                                        .radius = spec_.contact.slew.radius},
-                                       state.fan);
+    const SurfaceSlide slide =
+        !slewed ? slide_on_surface(object(), from, h, mu)
+                : slide_on_surface(object(), from, h, mu,
+                                   {.from = from_hip - object().origin(),
+                                    .budget = 2.0 * glm::length(hip - from_hip) +
+                                              spec_.contact.slew.speed * spec_.contact.period,
+                                    .radius = spec_.contact.slew.radius},
+                                   state.fan);
     const bool turned = fan.on != state.fan.on || fan.angle != state.fan.angle;  // is no rest
     slipped = slide.slid > 0.0 || turned || (known && apart(state.place, from));
     state.place = slide.place;
@@ -187,10 +186,11 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                            .mu = mu,
                            .vertex_slew = slide.out_of_budget,
                            .outside_cone = slide.outside_cone,
+                           .in_crease = slide.in_crease,
                            .on_flow = slide.on_flow,
                            .settled = slide.settled};
     const double cone = mu * load;
-    // Without friction what is left along the surface is rounding, or held.
+    // Without friction what is left along the surface is rounding, or held by a border.
     if (!slide.in_crease && (cone == 0.0 || (slide.outside_cone && slide.length > cone))) {
         const double share = cone > 0.0 ? cone / slide.length : 0.0;
         contact.force = k * (load * slide.normal - share * slide.tangential);

@@ -51,18 +51,19 @@ struct SurfaceContact {
     double go_u = 0.0;
     double go_v = 0.0;
     Vec3 go{};                      ///< m
-    Vec3 normal{0.0, 0.0, 1.0};     ///< unit outward normal at the GO; only while in contact
+    Vec3 normal{0.0, 0.0, 1.0};     ///< unit outward normal at the GO; only while in contact. In a
+                                    ///< concave crease that between its sides' nearest to the force
     Vec3 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< force . normal, N, >= 0
     double tangential_force = 0.0;  ///< length of the rest, N, >= 0
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
-    bool outside_cone =
-        false;  ///< the GO rests at an open border, in a concave crease, or under the slew
-    bool on_flow = true;   ///< false: the GO's walk left its flow where that has no direction
-    bool settled = true;   ///< false: the work limit of a tick ended the GO's walk
-    bool skipped = false;  ///< out of reach: cp.distance is a lower bound
-    bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
+    bool outside_cone = false;      ///< the GO rests at an open border or under the slew
+    bool in_crease = false;  ///< the GO rests in a concave crease, whose sides carry together
+    bool on_flow = true;     ///< false: the GO's walk left its flow where that has no direction
+    bool settled = true;     ///< false: the work limit of a tick ended the GO's walk
+    bool skipped = false;    ///< out of reach: cp.distance is a lower bound
+    bool refused = false;    ///< HIP was not finite or above 1e9 m: force zero, contact ended
 };
 
 /// A surface compiled once into the tick it needs: with or without friction.
@@ -70,8 +71,9 @@ struct SurfaceContact {
 /// The law is Scene's: F = K (GO - HIP); friction decides only where the GO may stay
 /// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that F_k .
 /// (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border the
-/// tangential part is cut to mu times the normal force, which is outside of that proof; in a
-/// concave crease both sides carry, and nothing is cut. With a damper B the device must give b > K
+/// tangential part is cut to mu times the normal force, which is outside of that proof. In a
+/// concave crease its sides carry together, by the normal between theirs that lies nearest to the
+/// force. With a damper B the device must give b > K
 /// T / 2 + B, as for Scene; with a vertex slew a convex edge is the fan of its normals
 /// (turn_in_fan), and what it cuts is outside of the proof as well.
 class SurfaceScene {

@@ -245,7 +245,7 @@ void SurfaceFeet::polish(SurfaceTrack& track,
                          Work& work) const noexcept {
     const Work share = std::min(work / 2, kPolishWork);
     work -= share;
-    const SurfaceSlide slide = slide_on_surface<false>(*object_, foot.place, h, 0.0, share);
+    const SurfaceSlide slide = slide_on_surface(*object_, foot.place, h, 0.0, share);
     const Vec3 r = slide.point - h;
     if (glm::dot(r, r) < foot.distance2) {
         foot.place = track.place = slide.place;

@@ -14,9 +14,8 @@ using Way = Footing::Way;
 /// Way beside the flow that is reported, of the size.
 constexpr double kAstray = 1e-8;
 
-/// Sine of the angle between tangents, and their length by the size, below which a place is
-/// singular.
-constexpr double kSingular = 1e-7;
+/// So often a step is shortened until it does as it promised.
+constexpr int kDoubts = 8;
 
 /// The walk of one tick.
 class Slider {
@@ -38,12 +37,12 @@ public:
             onwards(at);
         }
         double slid = glm::length(at.spot.jet.point - start);  // along the edge of a fan
-        while (at.way != Way::rests && at.way != Way::held && !done_ && !tired()) {
+        while (!ends(at.way) && !done_ && !tired()) {
             if (slew_.spent()) {
                 spent_ = true;
                 break;
             }
-            singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet));
+            singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet, size_));
             if (at.way == Way::open && ground_.mu() > 0.0 && !lost_ && flows(at, slid)) {
                 continue;
             }
@@ -54,11 +53,12 @@ public:
             astray_ += at.way == Way::open && strays_ ? chord : 0.0;
             at.spot = next;
             if (done_) {
-                if (at.way != Way::open) {
+                if (at.way != Way::open && !at.crease) {
                     at = ground_.carrier(next);
                 }
                 break;
             }
+            ground_.own_normal(at);
             onwards(at);
             slid += glm::length(at.spot.jet.point - next.jet.point);
         }
@@ -68,6 +68,10 @@ public:
     }
 
 private:
+    static bool ends(Way way) noexcept {
+        return way == Way::rests || way == Way::held || way == Way::over;
+    }
+
     /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in
     /// steps.
     bool flows(Footing& at, double& slid) noexcept {
@@ -101,15 +105,6 @@ private:
         }
     }
 
-    /// Where the tangents nearly vanish, or are one, rounding has a say in where the flow leads.
-    [[nodiscard]] bool singular(const SurfaceJet& j) const noexcept {
-        const double e = glm::dot(j.du, j.du);
-        const double g = glm::dot(j.dv, j.dv);
-        const Vec3 area = glm::cross(j.du, j.dv);
-        const double tiny = kSingular * kSingular * size_ * size_;
-        return e < tiny || g < tiny || glm::dot(area, area) < kSingular * kSingular * (e * g);
-    }
-
     /// Where the god-object goes on; over a convex edge, with a vertex slew, through its fan.
     void onwards(Footing& at) noexcept {
         if (!slew_.limited()) {
@@ -120,7 +115,8 @@ private:
         ground_.footing(at);
         const SurfacePlace& to = at.spot.place;
         const bool stays = to.surface == s.place.surface && to.i == s.place.i && to.j == s.place.j;
-        if (!stays && at.way != Way::held && falls_away(s, at.spot)) {
+        const bool leads = at.way != Way::held && !(at.way == Way::over && s.load <= 0.0);
+        if (!stays && leads && falls_away(s, at.spot)) {
             fan_ = {.on = true, .beyond = to, .angle = 0.0};
             at = turned(s.place);
         }
@@ -153,12 +149,14 @@ private:
 
     SurfaceSpot step_on(const Footing& at) noexcept {
         const SurfaceSpot& s = at.spot;
+        crease_ = at.crease;
         const SurfaceSteps steps(s, size_);
         const double noise = 12.0 * std::sqrt(s.r2) * s.noise;  // of two evaluations
         const double whole = std::min(wanted(at, steps), slew_.budget - slew_.used);
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;
         bool tried = false;
+        int doubts = 0;
         while (!tired()) {
             const SurfaceStep step = cut(s, step_of(at, steps, length));
             if (still(step)) {
@@ -168,10 +166,17 @@ private:
             const double fall = s.r2 - next.r2;
             // Lower by more than rounding, or as low and much nearer to the cone.
             if (fall > noise || (fall >= -noise && left(at, step, next) <= 0.5 * at.excess)) {
+                // What does not as it promised may leap over a foot.
+                const bool leaps = ground_.mu() == 0.0 && !steps.believed(step, next, fall, noise);
+                if (leaps && doubts++ < kDoubts) {
+                    length = 0.25 * std::min(length, step.length);
+                    continue;
+                }
+                strays_ = leaps || (strays_ && ground_.mu() > 0.0);
                 const SurfaceSpot end = over(at, next, step) ? close_in(at, step, next) : next;
                 if (s.r2 - end.r2 >= -noise) {  // not so where the cone lies behind a rise
                     last_ = step.length;
-                    trust_ = tried || trust_ < 1e299 ? 3.0 * length : trust_;
+                    trust_ = tried || doubts > 0 || trust_ < 1e299 ? 3.0 * length : trust_;
                     return end;
                 }
                 tried = true;
@@ -228,7 +233,12 @@ private:
         SurfacePlace p = s.place;
         p.u = std::clamp(p.u + share * step.du, 0.0, 1.0);
         p.v = std::clamp(p.v + share * step.dv, 0.0, 1.0);
-        return ground_.look(p);
+        if (!crease_) {
+            return ground_.look(p);
+        }
+        SurfaceSpot there = ground_.look(p);
+        ground_.against_hip(there, step.du != 0.0 ? there.jet.du : there.jet.dv);
+        return there;
     }
 
     /// The step went into the cone by more than rounding, or past it.
@@ -320,17 +330,18 @@ private:
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
         const bool barred = at.way == Way::held && !done_;
+        const bool over = at.way == Way::over;
         const bool fine = barred ? s.excess <= 1e-13 * (size_ + std::sqrt(s.r2)) : last_bits(s);
-        const bool outside = !SurfaceGround::settled(s) && !fine;
+        const bool outside = !over && !SurfaceGround::settled(s) && !fine;
         return {.place = s.place,
                 .point = s.jet.point,
                 .normal = s.normal,
                 .tangential = s.along,
                 .length = s.length,
-                .load = s.load,
+                .load = over ? -std::sqrt(s.r2) : s.load,
                 .slid = slid,
                 .outside_cone = outside,
-                .in_crease = outside && at.way == Way::held && !spent_ && ground_.enclosed(s.place),
+                .in_crease = at.crease,
                 .out_of_budget = spent_,
                 .on_flow = !singular_ && astray_ <= kAstray * size_,
                 .settled = !tired() && (!outside || barred || foot_ || spent_)};
@@ -355,46 +366,28 @@ private:
     double trust_ = 1e300;      ///< so long may the next one be, m
     double last_excess_ = 0.0;  ///< before it, m
     bool done_ = false;         ///< no step is left that gains anything
+    bool crease_ = false;       ///< the step goes along a concave crease
     bool foot_ = false;         ///< since the surface has no way down from here: it folds back
 };
 
 }  // namespace
 
-template <bool HasFriction>
 SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               const SurfacePlace& from,
                               const Vec3& h,
                               double mu,
                               Work work) noexcept {
     SurfaceFan none;
-    return Slider(surface, h, HasFriction ? mu : 0.0, work, {}, none).run(from);
+    return Slider(surface, h, mu, work, {}, none).run(from);
 }
 
-template <bool HasFriction>
 SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               const SurfacePlace& from,
                               const Vec3& h,
                               double mu,
                               const SurfaceSlew& slew,
                               SurfaceFan& fan) noexcept {
-    return Slider(surface, h, HasFriction ? mu : 0.0, kSlideWork, slew, fan).run(from);
+    return Slider(surface, h, mu, kSlideWork, slew, fan).run(from);
 }
-
-template SurfaceSlide slide_on_surface<true>(
-    const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
-template SurfaceSlide slide_on_surface<false>(
-    const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
-template SurfaceSlide slide_on_surface<true>(const SurfaceObject&,
-                                             const SurfacePlace&,
-                                             const Vec3&,
-                                             double,
-                                             const SurfaceSlew&,
-                                             SurfaceFan&) noexcept;
-template SurfaceSlide slide_on_surface<false>(const SurfaceObject&,
-                                              const SurfacePlace&,
-                                              const Vec3&,
-                                              double,
-                                              const SurfaceSlew&,
-                                              SurfaceFan&) noexcept;
 
 }  // namespace palpate::engine

@@ -9,12 +9,12 @@ namespace palpate::engine {
 struct SurfaceSlide {
     SurfacePlace place{};
     Vec3 point{};                ///< m, relative to surface.origin()
-    Vec3 normal{0.0, 0.0, 1.0};  ///< unit, outward, of the patch it sits on
+    Vec3 normal{0.0, 0.0, 1.0};  ///< unit, outward, of its patch, or between those of a crease
     Vec3 tangential{};           ///< r without its normal part, r = HIP - GO, m
     double length = 0.0;         ///< |tangential|, m
     double load = 0.0;           ///< nu = -r . n, m: > 0 inside
     double slid = 0.0;           ///< way of the GO, m: of the flow, or the sum of its chords
-    bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
+    bool outside_cone = false;   ///< stopped outside its cone: at an open border
     bool in_crease = false;      ///< in a concave crease, whose sides carry together
     bool out_of_budget = false;  ///< the vertex slew ended the walk, outside of the cone
     bool on_flow =
@@ -37,16 +37,18 @@ inline constexpr Work kSlideWork = 150'000;
 ///     ds = (|t| - mu nu) / (1 - kappa (nu + mu |t|))    with kappa the normal curvature along t,
 ///
 /// twice the one before where the cone lies further than that promises, and a quarter if |r| did
-/// not fall. The end lies on the cone, on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
+/// not fall, or without friction not as promised: then a foot may lie on the way. The end lies on
+/// the cone, on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
 ///
 /// On an edge all patches that meet there are asked (SurfaceGround::footing): the GO goes on into
-/// one of them, along the edge, or stays where every way is barred, at an open border and in a
-/// concave crease. A pole (an edge that is one point) is crossed. When `work` is used up the GO
-/// stays where it is and says so; the next tick goes on from there.
+/// one of them, along the edge, or stays where every way is barred: at an open border, and in a
+/// concave crease, whose cone is that of the normal between its sides' that lies nearest to the
+/// force. Where every way is barred because HIP is in front of a convex edge, the contact ends. A
+/// pole (an edge that is one point) is crossed. When `work` is used up the GO stays where it is
+/// and says so; the next tick goes on from there.
 /// @param h   HIP relative to surface.origin(), m
-/// @param mu  >= 0, not read without friction
+/// @param mu  >= 0, 0: without friction
 /// @param work  what it may cost
-template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                                             const SurfacePlace& from,
                                             const Vec3& h,
@@ -56,7 +58,6 @@ template <bool HasFriction>
 /// The same with a vertex slew: way and turns are paid from its budget, and a convex edge is gone
 /// over through the fan of its normals (turn_in_fan).
 /// @param fan  where in one the god-object is; carried from tick to tick
-template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                                             const SurfacePlace& from,
                                             const Vec3& h,

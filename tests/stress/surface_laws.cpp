@@ -153,6 +153,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
           k * same_ + 1e-12 * glm::length(c.force));
     double off = 1e300;
     double turned = 1e300;
+    long double carried = 0.0L;
     bool regular = true;
     const auto& d = oracle(c).data();
     for (const std::size_t pu : pieces_at(d.knots_u, c.go_u)) {
@@ -168,7 +169,9 @@ void SurfaceLaws::check_contact(const Tick& now) {
             const double b = length(jet.sv);
             const double size = scene_->object().size();
             regular = regular && across > 1e-3 * a * b && a > 1e-3 * size && b > 1e-3 * size;
-            turned = std::min(turned, length(minus((1.0L / across) * area, c.normal)));
+            const Long3 side = (1.0L / across) * area;
+            turned = std::min(turned, length(minus(side, c.normal)));
+            carried = std::max(carried, inner({c.force.x, c.force.y, c.force.z}, side));
         }
     }
     // Rounding turns the normal, by as much as the exact one shows here, and some times that beside
@@ -187,7 +190,10 @@ void SurfaceLaws::check_contact(const Tick& now) {
               1e-9 * fn + kConeSlack * k * same_);
     }
     check("the god-object is on the surface", off, 10.0 * same_);
-    check("the normal is that of the surface", regular ? turned : 0.0, 1e-6);
+    check("the normal is that of the surface", regular && !c.in_crease ? turned : 0.0, 1e-6);
+    check("in a crease no side's normal is nearer to the force",
+          regular && c.in_crease ? static_cast<double>(carried) - fn : 0.0,
+          k * kSurfaceFootSlack * same_ + 1e-9 * glm::length(c.force));
 }
 
 void SurfaceLaws::check_walk(const Tick& now,

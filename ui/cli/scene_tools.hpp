@@ -13,7 +13,7 @@ struct PlaneTick {
     /// Where the god-object stopped elsewhere than at the first place in its cone, and whether that
     /// is proven.
     struct Marks {
-        bool held = false;      ///< by an open end, a border or a crease
+        bool held = false;      ///< by an open end or a border
         bool slewed = false;    ///< the budget of the vertex slew ended the walk
         bool unproven = false;  ///< the search was broken off
     };
