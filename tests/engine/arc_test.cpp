@@ -37,7 +37,8 @@ TEST_CASE("what is not a curve is refused with the value and the remedy", "[geom
     CHECK_THROWS_WITH(make_arc(a, b, 20.0), Has("curvature 20 1/m", "below 19.8"));
     CHECK_THROWS_WITH(make_arc(a, b, std::numeric_limits<double>::quiet_NaN()), Has("nan"));
     const std::vector<Vec2> points{a, b};
-    CHECK_THROWS_WITH(RationalBezier<2>(points, std::vector{1.0, 0.0}), Has("weights[1]", "above 0"));
+    CHECK_THROWS_WITH(RationalBezier<2>(points, std::vector{1.0, 0.0}),
+                      Has("weights[1]", "above 0"));
     CHECK_THROWS_WITH(RationalBezier<2>(points, std::vector{1.0}), Has("one weight"));
     CHECK_THROWS_WITH(RationalBezier<2>(std::vector{a}, std::vector{1.0}), Has("2 to 10"));
     CHECK_THROWS_WITH(
