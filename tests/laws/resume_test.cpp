@@ -215,7 +215,7 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session", "[
         check_end(palpate_command(second), 1, Has("d.sqlite-wal, was deleted", "end that program"));
     }
     first.signal(SIGCONT);
-    check_end(first.wait(), 1, Has("d.sqlite.rescued: put that in its place"));
+    check_end(first.wait(), 1, Has("d.sqlite.rescued: put that in the place of"));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     ran(words(file));
     CHECK(std::filesystem::status(file + ".rescued").permissions() ==
