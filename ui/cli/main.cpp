@@ -93,6 +93,8 @@ int main(int argc, char** argv) {
         hide_addresses(argc, argv);
         return heard(parsed.command ? commands[*parsed.command].run() : parsed.code);
     } catch (const std::exception& e) {
-        return said(e);
+        const int code = said(e);
+        static_cast<void>(let_readers_read());
+        return code;
     }
 }

@@ -316,6 +316,7 @@ int say_end(const RigEnd& end, const RunOptions& options, const RigSpec& spec) {
 
 int run(const RunOptions& options) {
     catch_signals();
+    say_in_passing();
     check_participant(options.participant);
     if (options.secret) {
         data::check_secret(*options.secret);
