@@ -213,6 +213,23 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }
 
+TEST_CASE("a session changed by hand between its runs goes on, and both its ends say so",
+          "[crash][law]") {
+    const TemporaryFile file("d.sqlite");
+    CHECK(run_into_trial(file, 3)->ended_by(SIGTERM) == 3);
+    const std::string edit = GENERATE(as<std::string>{},
+                                      "UPDATE response SET reaction_s = reaction_s + 1 WHERE "
+                                      "trial_id = 2",
+                                      "UPDATE plan SET mu_s = mu_s + 1 WHERE "
+                                      "plan_position = 9");
+    CAPTURE(edit);
+    sql_edit(file, edit);
+    const Finished end = ran(words(file));
+    CHECK_THAT(end.error, Has("changed by hand before it goes on here: 1 seal", "palpate verify"));
+    CHECK_THAT(end.out, Has("changed before this run", "Finished."));
+    CHECK_THAT(ran({"verify", file}, 1).out, Has("differ"));
+}
+
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
     const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
