@@ -1,5 +1,6 @@
 #include <cstring>
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -76,6 +77,10 @@ int said(const std::exception& error) {
     if (is_one_of<protocols::ProtocolError, data::CsvError>(error)) {  // it begins with the file
         say_to(stderr, std::string(error.what()) + "\n");
         return kExitUsage;
+    }
+    if (is_one_of<std::bad_alloc>(error)) {
+        warn("there is not enough memory: end other programs, and run this again");
+        return kExitFailure;
     }
     warn("{}", error.what());
     return is_one_of<protocols::OrderError, data::WrongFile, std::invalid_argument>(error)
