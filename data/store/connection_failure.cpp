@@ -19,6 +19,10 @@ const char* remedy(int code) {
         return "the index of its log finds no room: the disk is full, and reading needs 32 kB of "
                "it; free some, or copy the file and its -wal to another disk";
     }
+    if (code == SQLITE_READONLY_ROLLBACK) {
+        return "a program was killed while it wrote it: whoever opens it to write, as run does, "
+               "takes back what was not whole";
+    }
     switch (code & 0xFF) {
         case SQLITE_FULL:
             return "the disk is full: free some space and run again, what was recorded is kept";
@@ -32,7 +36,8 @@ const char* remedy(int code) {
         case SQLITE_NOTADB:
             return "this is not a palpate database: choose another file name";
         case SQLITE_CORRUPT:
-            return "the file is damaged: keep it, and restore a copy";
+            return "the file is damaged: keep it, with its -wal and -shm, in another folder, and "
+                   "restore a copy";
         case SQLITE_IOERR:
             return "the disk does not take the data: check its space and health";
         default:
@@ -85,6 +90,11 @@ void Connection::fail(std::string_view doing) const {
                                     "({}): take its rows or its reference away, and try again",
                                     theirs);
     }
+    refuse_if<StoreError>(
+        message.starts_with("UNIQUE constraint"),
+        "{}: what is to be written is there already ({}): rows were changed or deleted by hand; "
+        "palpate verify says which, take a copy from before",
+        file, message);
     if (message.starts_with("CHECK constraint")) {
         what =
             "a value that is to be written is none that its table takes, and no palpate made it: "
@@ -111,8 +121,9 @@ void require_sound_pages(const Connection& file) {
         const std::string all = check.text(0);
         const std::string first = all.substr(all.find('\n') + 1);  // behind a line without news
         refuse_if<StoreError>(all != "ok",
-                              "{}: the file is damaged ({}): keep it, and restore a copy; palpate "
-                              "verify says what of it can be read",
+                              "{}: the file is damaged ({}): keep it, with its -wal and -shm, in "
+                              "another folder, and restore a copy; palpate verify says what of it "
+                              "can be read",
                               file.file, first.substr(0, first.find('\n')));
     }
 }

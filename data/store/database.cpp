@@ -26,30 +26,14 @@ namespace palpate::data {
 namespace {
 
 /// An empty file of one's own, before SQLite makes one that others can read.
+/// @throws as require_not_elsewhere()
 void make_private_file(const std::string& file) {
-    const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    require_not_elsewhere(file);
+    const int fd =
+        open(plain_name(file).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
     if (fd >= 0) {
         close(fd);
     }
-}
-
-/// The file under a name that SQLite takes for nothing else: "" would be a database that vanishes,
-/// ":memory:" one that never was, "file:..." a URI.
-std::string plain_name(const std::string& file) {
-    return file.starts_with('/') ? file : "./" + file;
-}
-
-/// The file as a URI of one that cannot change, for SQLite to read it without any file beside
-/// it.
-std::string immutable_uri(const std::string& file) {
-    std::string uri = "file:";
-    for (const char c : plain_name(file)) {
-        const bool plain = c == '/' || c == '.' || c == '-' || c == '_' || (c >= '0' && c <= '9') ||
-                           (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-        uri += plain ? std::string(1, c)
-                     : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    }
-    return uri + "?immutable=1";
 }
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
@@ -175,7 +159,7 @@ void Database::open(Access access) {
                          "the name of the database is empty; give a file name");
     require_plain_files(connection_.file);
     if (access == Access::write) {
-        make_private_file(plain_name(connection_.file));
+        make_private_file(connection_.file);
     } else if (::access(plain_name(connection_.file).c_str(), R_OK) != 0) {
         throw WrongFile(fmt::format(
             "{}: {}", connection_.file,
@@ -192,7 +176,7 @@ void Database::open(Access access) {
     if (one_byte || first_page(connection_.handle) == FirstPage::theirs) {
         not_ours(connection_.file);
     }
-    require_log();
+    require_log(access);
     const std::int64_t as_of_ns = written_ns(connection_.file);  // before it is looked at
     const auto as_it_is = [&] {
         connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
@@ -205,6 +189,7 @@ void Database::open(Access access) {
         access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1,
         "{}: the file or its folder is read-only: choose another place or change the rights",
         connection_.file);
+    require_own_log();
     try {
         check_identity(access);
     } catch (const DiskError&) {
@@ -240,6 +225,11 @@ void Database::check_identity(Access access) {
         create();
         id = identity();
     }
+    refuse_if<WrongFile>(
+        id.blank,
+        "{}: nothing is in it, as where a program was killed while it made it: run "
+        "makes it anew, or take it away",
+        connection_.file);
     if (id.application != kApplicationId || id.version < 1) {
         not_ours(connection_.file);
     }

@@ -77,7 +77,8 @@ public:
     /// for nobody: a reader that is still looking delays it to the next time. Then as
     /// require_in_place().
     void checkpoint();
-    /// What is deleted is kept, as far as this connection sees it, as FILE.rescued.
+    /// What is deleted is put back, as far as this connection sees it, and kept as FILE.rescued
+    /// where another file has its name or its log was deleted.
     /// @throws StoreError if the file, or its log, was moved or deleted since it was opened: what
     /// is written goes with it, and another program does not see it
     void require_in_place();
@@ -90,7 +91,8 @@ public:
 
 private:
     void rescue_deleted();
-    void require_log();
+    void require_log(Access access);
+    void require_own_log();
 
     struct Identity {
         std::int64_t application = 0;

@@ -52,6 +52,38 @@ void require_space(const std::string& file,
     }
 }
 
+std::string plain_name(const std::string& file) {
+    return file.starts_with('/') ? file : "./" + file;
+}
+
+std::string immutable_uri(const std::string& file) {
+    std::string uri = "file:";
+    for (const char c : plain_name(file)) {
+        const bool plain = c == '/' || c == '.' || c == '-' || c == '_' || (c >= '0' && c <= '9') ||
+                           (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        uri += plain ? std::string(1, c)
+                     : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return uri + "?immutable=1";
+}
+
+void require_not_elsewhere(const std::string& file) {
+    std::error_code unknown;
+    const std::filesystem::path name = plain_name(file);
+    if (std::filesystem::exists(name, unknown)) {
+        return;
+    }
+    refuse_if<WrongFile>(std::filesystem::is_symlink(name, unknown),
+                         "{}: it is a link to {}, which is not there: make the link right, or take "
+                         "it away",
+                         file, std::filesystem::read_symlink(name, unknown).string());
+    refuse_if<WrongFile>(
+        std::filesystem::exists(plain_name(file) + ".rescued", unknown),
+        "{0}: it is not there, and {0}.rescued beside it is what was recorded when "
+        "it was deleted: put that in its place to go on with it, or move it away",
+        file);
+}
+
 bool lies_still(const std::string& name) {
     std::error_code unknown;
     const std::filesystem::path file = std::filesystem::canonical(name, unknown);

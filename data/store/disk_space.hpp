@@ -22,6 +22,16 @@ void require_space(const std::string& file,
                    const protocols::Protocol& protocol,
                    std::size_t trials);
 
+/// The file under a name that SQLite takes for nothing else: "" would be a database that vanishes,
+/// ":memory:" one that never was, "file:..." a URI.
+[[nodiscard]] std::string plain_name(const std::string& file);
+/// The file as a URI of one that cannot change, for SQLite to read it without any file beside it.
+[[nodiscard]] std::string immutable_uri(const std::string& file);
+
+/// A new file would begin what another one holds already.
+/// @throws WrongFile where a link leads to none, or what was rescued waits for the file's name
+void require_not_elsewhere(const std::string& file);
+
 /// A database that nobody writes, where SQLite could not lay its log and the index of it beside it,
 /// or must not: made by another user than the file's owner they would keep that one from writing.
 /// Where nothing is in a log it needs none. A live or a killed rig leaves both, beside the file

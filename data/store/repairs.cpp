@@ -246,7 +246,14 @@ void destroy_participant(Database& database,
         }
         all.commit();
     }
-    empty_free_pages(database);
+    try {
+        empty_free_pages(database);
+    } catch (const StoreError& e) {
+        throw StoreError(fmt::format(
+            "what was to be destroyed of {} is gone from {}, but its free pages may still hold it: "
+            "the file could not be written anew ({}); when it can be, run this again",
+            code, database.file(), e.what()));
+    }
 }
 
 void clear_session(Database& database, std::int64_t session) {

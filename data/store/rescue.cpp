@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <cstdio>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,20 +15,50 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/store/database.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/session_lock.hpp"
 
 // What becomes of a file that somebody deletes while it is in use.
 namespace palpate::data {
 namespace {
 
-/// This process has the file, or its log, open under that name, and somebody deleted the name.
-bool was_deleted(const std::string& path) {
+/// How many descriptors of this process are of a file that has, or had before somebody deleted it,
+/// that name.
+std::ptrdiff_t times_open(const std::string& name) {
     std::error_code unknown;
     const auto open = std::filesystem::directory_iterator("/proc/self/fd", unknown);
-    return std::ranges::any_of(open, [&](const auto& descriptor) {
-        const std::string target = std::filesystem::read_symlink(descriptor, unknown).string();
-        return target == path + " (deleted)" || target == path + "-wal (deleted)";
+    return std::ranges::count_if(open, [&](const auto& descriptor) {
+        return std::filesystem::read_symlink(descriptor, unknown) == name;
     });
+}
+
+bool was_deleted(const std::string& name) {
+    return times_open(name + " (deleted)") > 0;
+}
+
+/// Nobody syncs what VACUUM INTO wrote.
+bool is_on_disk(const std::string& name) {
+    const int there = open(name.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool synced = there >= 0 && fsync(there) == 0;
+    if (there >= 0) {
+        close(there);
+    }
+    return synced;
+}
+
+/// A deleted file's content takes its name again, if nobody has given that to another one. The log
+/// of the deleted one goes first: SQLite would read it into this one.
+bool is_put_back(const std::string& rescued, const std::string& name) {
+    if (access(name.c_str(), F_OK) == 0 || !is_on_disk(rescued)) {
+        return false;
+    }
+    for (const char* beside : {"-shm", "-wal"}) {
+        if (times_open(name + beside) > 0) {
+            unlink((name + beside).c_str());
+        }
+    }
+    return access((name + "-wal").c_str(), F_OK) != 0 &&
+           renameat2(AT_FDCWD, rescued.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0;
 }
 
 /// An empty file, of nobody else.
@@ -50,23 +84,81 @@ bool is_in_use(const std::string& file) {
     return found;
 }
 
+/// Pages, indices and references hold, or nobody can say so.
+bool is_sound(sqlite3* handle) {
+    for (const auto& [sql, sound] :
+         {std::pair{"PRAGMA integrity_check(1)", "ok"}, {"PRAGMA foreign_key_check", nullptr}}) {
+        sqlite3_stmt* check = nullptr;
+        sqlite3_prepare_v2(handle, sql, -1, &check, nullptr);
+        const int code = check == nullptr ? sqlite3_errcode(handle) : sqlite3_step(check);
+        const auto* said = code == SQLITE_ROW ? sqlite3_column_text(check, 0) : nullptr;
+        const bool differs =
+            code == SQLITE_ROW && (sound == nullptr || said == nullptr ||
+                                   std::string_view(reinterpret_cast<const char*>(said)) != sound);
+        sqlite3_finalize(check);
+        if (differs || (code & 0xFF) == SQLITE_CORRUPT) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// The file without what its log has.
+bool is_sound_alone(const std::string& file) {
+    sqlite3* alone = nullptr;
+    const bool opened =
+        sqlite3_open_v2(immutable_uri(file).c_str(), &alone, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI,
+                        nullptr) == SQLITE_OK;
+    const bool sound = opened && is_sound(alone);
+    sqlite3_close(alone);
+    return sound;
+}
+
 }  // namespace
+
+/// A log that a crash left behind holds whole pages, and goes with the file alone on which it was
+/// begun: with another state of it, as of a copy that was put in its place, pages of two moments
+/// would be mixed.
+void Database::require_own_log() {
+    const std::string name = sqlite3_db_filename(connection_.handle, "main");
+    // Who has it open, in this process too, knows its log. (Looking would drop locks here.)
+    if (!has_log(name) || times_open(name) != 1 || is_in_use(name)) {
+        return;
+    }
+    refuse_if<StoreError>(
+        !is_sound(connection_.handle) && is_sound_alone(name),
+        "{0}: the log beside it, {0}-wal, goes with another state of it, as where a copy was put "
+        "in its place: nothing is read or written; move {0}-wal and {0}-shm away, and it is what "
+        "the copy was",
+        connection_.file);
+}
 
 /// A log beside the file is its own. Of a file that others have open the log has a name, but for
 /// the moment in which it gets one or loses it. Without one a second log would be begun, of which
 /// they know nothing.
-void Database::require_log() {
+void Database::require_log(Access access) {
     constexpr int kPauseMs = 5;
     constexpr int kMomentMs = 100;
     constexpr int kLogAt = 18;  // of the header: 2 where a log is kept
     const std::string name = sqlite3_db_filename(connection_.handle, "main");
+    struct stat status {};
+    const bool several = stat(name.c_str(), &status) == 0 && status.st_nlink > 1;
+    refuse_if<StoreError>(
+        several && access == Access::write,
+        "{}: the file has {} names (hard links), each with a log of its own, and what is written "
+        "under one is lost under another: find -samefile lists them; leave one, or copy the file",
+        connection_.file, status.st_nlink);
     sqlite3_file* file = nullptr;
     sqlite3_file_control(connection_.handle, "main", SQLITE_FCNTL_FILE_POINTER, &file);
     char kind = 0;
     for (int waited = 0; file->pMethods->xRead(file, &kind, 1, kLogAt) == SQLITE_OK && kind == 2 &&
-                         access((name + "-wal").c_str(), F_OK) != 0 && is_in_use(name);
+                         ::access((name + "-wal").c_str(), F_OK) != 0 && is_in_use(name);
          waited += kPauseMs) {
         if (waited >= kMomentMs) {
+            refuse_if<StoreError>(several,
+                                  "{}: another program uses it under another of its names (hard "
+                                  "links), where its log is: use that name",
+                                  connection_.file);
             throw StoreError(
                 fmt::format("{0}: another program uses it, and its log, {0}-wal, was deleted: it "
                             "is neither read nor written; end that program, which keeps what it "
@@ -83,7 +175,11 @@ void Database::require_log() {
 }
 
 void Database::rescue_deleted() {
-    if (in_memory_ || !was_deleted(sqlite3_db_filename(connection_.handle, "main"))) {
+    if (in_memory_) {
+        return;
+    }
+    const std::string path = sqlite3_db_filename(connection_.handle, "main");
+    if (rescued_.empty() && !was_deleted(path) && !was_deleted(path + "-wal")) {
         return;
     }
     // Nor at the end, when SQLite would also delete whatever has its log's name then.
@@ -102,11 +198,21 @@ void Database::rescue_deleted() {
                 "not be kept as {}: {}",
                 connection_.file, name, e.what()));
         }
-        rescued_ = std::move(name);
+        rescued_ = is_put_back(name, path) ? connection_.file : std::move(name);
     }
+    refuse_if<StoreError>(rescued_ == connection_.file,
+                          "{}: it was deleted while it was in use; all that was recorded is in it "
+                          "again: run again",
+                          connection_.file);
+    refuse_if<StoreError>(was_deleted(path) && access(path.c_str(), F_OK) == 0,
+                          "{0}: it was deleted while it was in use, and another file has its name "
+                          "now; all that was recorded is in {1}: palpate merge makes one of both, "
+                          "if that is of this study",
+                          connection_.file, rescued_);
     throw StoreError(
-        fmt::format("{}: it, or its log, was deleted while it was in use; all that was recorded is "
-                    "in {}: put that in its place and run again",
+        fmt::format("{0}: it, or its log, was deleted while it was in use; all that was recorded "
+                    "is in {1}: put that in the place of {0}, without {0}-wal and {0}-shm, and run "
+                    "again",
                     connection_.file, rescued_));
 }
 

@@ -108,7 +108,8 @@ std::string own_secret(Database& database) {
     Statement row = database.first("SELECT min(hex) FROM secret");
     refuse_if<StoreError>(used || row.null(0),
                           "{}: its secret was removed or changed, and without it no order can be "
-                          "drawn or checked; restore a copy of the file",
+                          "drawn or checked; move it away, with its -wal and -shm, and restore a "
+                          "copy",
                           database.file());
     return row.text(0);
 }

@@ -121,11 +121,18 @@ TEST_CASE(
                   .code == 0);
     }
     rig.recorder.append(id, std::span(ticks).subspan(4500));
-    const char* said = moved ? "a.sqlite: it was moved" : "a.sqlite: it, or its log, was deleted";
-    const char* remedy = moved ? "put it back" : "a.sqlite.rescued: put that in its place";
+    const char* said = moved             ? "a.sqlite: it was moved"
+                     : what == "deleted" ? "a.sqlite: it was deleted"
+                                         : "a.sqlite: it, or its log, was deleted";
+    const char* remedy = moved             ? "put it back"
+                       : what == "deleted" ? "is in it again"
+                                           : "a.sqlite.rescued: put that in the place of";
     CHECK_THROWS_WITH(rig.recorder.end_trial(id, answered(0, true, 5000)), Has(said));
     CHECK_THROWS_WITH(rig.begin(1), Has(remedy));
-    Database there(rig.folder.file(moved ? "b.sqlite" : "a.sqlite.rescued"), Access::read);
+    Database there(rig.folder.file(moved               ? "b.sqlite"
+                                   : what == "deleted" ? "a.sqlite"
+                                                       : "a.sqlite.rescued"),
+                   Access::read);
     check_same(data::TraceReader(there).read(id), ticks);
     if (what == "log deleted") {
         CHECK(Process({"sqlite3", rig.folder.file("a.sqlite"),

@@ -285,6 +285,30 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     CHECK(merged({file, backup}) == "1,,\n");
 }
 
+TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again",
+          "[repair][disk][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    for (const char* person : {"P1", "P2", "P3"}) {
+        record(file, person);
+    }
+    const auto half = std::filesystem::file_size(file) / 2 / 512;  // as ulimit counts, in blocks
+    const Words destroy{"participant", file, "P3", "--destroy", "everything", "--yes"};
+    check_end(Process(joined({"sh", "-c", "trap '' XFSZ; ulimit -f $0; exec \"$@\"",
+                              fmt::format("{}", half)},
+                             command_of(destroy)))
+                  .wait(),
+              1, Has("of P3 is gone from", "could not be written anew", "run this again"));
+    CHECK(sql_csv(file,
+                  "SELECT count(*) FROM trial JOIN session USING (session_id) JOIN "
+                  "participant USING (participant_id) WHERE participant_code = 'P3'") ==
+          "count(*)\n0\n");
+    const auto before = std::filesystem::file_size(file);
+    ran(destroy);
+    CHECK(std::filesystem::file_size(file) < before);
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
 TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed",
           "[repair][verify][merge][law]") {
     const TemporaryFolder folder;

@@ -72,41 +72,6 @@ bool comes_true(const Condition& condition) {
     return false;
 }
 
-/// A pipe with a name and no room left: whoever writes to it waits.
-class FullPipe {
-public:
-    explicit FullPipe(std::string name) : name_(std::move(name)) {
-        REQUIRE(mkfifo(name_.c_str(), 0600) == 0);
-        fd_ = open(name_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-        REQUIRE(fd_ >= 0);
-        const std::string bytes(4096, '.');
-        while (write(fd_, bytes.data(), bytes.size()) > 0) {
-        }
-    }
-    FullPipe(const FullPipe&) = delete;
-    FullPipe& operator=(const FullPipe&) = delete;
-    ~FullPipe() { close(fd_); }
-
-    [[nodiscard]] const std::string& name() const { return name_; }
-    void empty() const {
-        std::string bytes(4096, '.');
-        while (read(fd_, bytes.data(), bytes.size()) > 0) {
-        }
-    }
-
-private:
-    std::string name_;
-    int fd_ = -1;
-};
-
-/// A session at full speed with its standard output in the file `out`.
-std::unique_ptr<Process> run_into(const std::string& out, const std::string& file) {
-    return std::make_unique<Process>(
-        joined({"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"", "sh", out},
-               command_of(words(file))),
-        Words{"DISPLAY", "WAYLAND_DISPLAY"});
-}
-
 }  // namespace
 
 TEST_CASE(
@@ -172,18 +137,20 @@ TEST_CASE(
     CHECK(end.code == 3);
     CHECK_THAT(end.out, Has("Stopped before ", "Seal "));
 
-    const FullPipe pipe(folder.file("pipe"));
     const std::string file = folder.file("e.sqlite");
-    const auto stuck = run_into(pipe.name(), file);
-    REQUIRE(comes_true([&] { return number(file, "SELECT count(*) FROM session") == 1; }));
+    data::Database theirs(file, data::Access::write);
+    const data::Transaction locked(theirs);  // for five seconds it waits to write
+    const Words command = command_of(words(file));
+    Process stuck(command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     for (const int wait_ms : {200, 1300}) {
-        stuck->signal(SIGINT);
-        CHECK(stuck->running());
+        stuck.signal(SIGINT);
+        CHECK(stuck.running());
         std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
     }
-    CHECK(stuck->running());
-    stuck->signal(SIGINT);
-    CHECK(stuck->wait().code == 128 + SIGINT);
+    CHECK(stuck.running());
+    stuck.signal(SIGINT);
+    CHECK(stuck.wait().code == 128 + SIGINT);
 }
 
 TEST_CASE("a file that something writes over while it is in use is not said to be finished",
@@ -215,7 +182,7 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session", "[
         check_end(palpate_command(second), 1, Has("d.sqlite-wal, was deleted", "end that program"));
     }
     first.signal(SIGCONT);
-    check_end(first.wait(), 1, Has("d.sqlite.rescued: put that in its place"));
+    check_end(first.wait(), 1, Has("d.sqlite.rescued: put that in the place of"));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     ran(words(file));
     CHECK(std::filesystem::status(file + ".rescued").permissions() ==
@@ -244,6 +211,23 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     std::filesystem::rename(folder.file("moved.sqlite"), file);
     CHECK(running.ended_by(SIGCONT) == 0);
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
+TEST_CASE("a session changed by hand between its runs goes on, and both its ends say so",
+          "[crash][law]") {
+    const TemporaryFile file("d.sqlite");
+    CHECK(run_into_trial(file, 3)->ended_by(SIGTERM) == 3);
+    const std::string edit = GENERATE(as<std::string>{},
+                                      "UPDATE response SET reaction_s = reaction_s + 1 WHERE "
+                                      "trial_id = 2",
+                                      "UPDATE plan SET mu_s = mu_s + 1 WHERE "
+                                      "plan_position = 9");
+    CAPTURE(edit);
+    sql_edit(file, edit);
+    const Finished end = ran(words(file));
+    CHECK_THAT(end.error, Has("changed by hand before it goes on here: 1 seal", "palpate verify"));
+    CHECK_THAT(end.out, Has("changed before this run", "Finished."));
+    CHECK_THAT(ran({"verify", file}, 1).out, Has("differ"));
 }
 
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
@@ -312,22 +296,14 @@ TEST_CASE("a session that was stopped from a shell keeps its log, whoever else w
     CHECK(std::filesystem::exists(file + "-wal"));  // else what it goes on to write is lost
 }
 
-// The first has opened the session and is held up where it says so: its output is a pipe nobody
-// empties.
-TEST_CASE("a program that is held up before its first trial keeps its session", "[crash][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    FullPipe pipe(folder.file("pipe"));
-    const auto first = run_into(pipe.name(), file);
+TEST_CASE("a program that is held up before its first answer keeps its session", "[crash][law]") {
+    const TemporaryFile file("d.sqlite");
+    const Words command = command_of(words(file));
+    Process first(command, {"DISPLAY", "WAYLAND_DISPLAY"});
     REQUIRE(comes_true([&] { return number(file, "SELECT count(*) FROM session") == 1; }));
+    first.signal(SIGSTOP);
     CHECK_THAT(ran(words(file), 1).error, Has("another palpate"));
-    CHECK(number(file, "SELECT count(*) FROM trial") == 0);
-
-    CHECK(comes_true([&] {
-        pipe.empty();
-        return !first->running();
-    }));
-    CHECK(first->wait().code == 0);
+    CHECK(first.ended_by(SIGCONT) == 0);
     CHECK(number(file, "SELECT count(*) FROM response") == 10);
     CHECK(number(file, "SELECT count(DISTINCT plan_position) FROM trial") == 10);
 }

@@ -82,6 +82,7 @@ void follow_last(data::Database& database, const DemoOptions& options, RigSpec& 
 
 int run(const DemoOptions& options) {
     catch_signals();
+    say_in_passing();
     RigSpec spec = rig_of(options);
     const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
     data::Database database(options.database, data::Access::write);

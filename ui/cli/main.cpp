@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -78,6 +79,10 @@ int said(const std::exception& error) {
         say_to(stderr, std::string(error.what()) + "\n");
         return kExitUsage;
     }
+    if (is_one_of<std::bad_alloc>(error)) {
+        warn("there is not enough memory: end other programs, and run this again");
+        return kExitFailure;
+    }
     warn("{}", error.what());
     return is_one_of<protocols::OrderError, data::WrongFile, std::invalid_argument>(error)
              ? kExitUsage
@@ -95,6 +100,8 @@ int main(int argc, char** argv) {
         hide_addresses(argc, argv);
         return heard(parsed.command ? commands[*parsed.command].run() : parsed.code);
     } catch (const std::exception& e) {
-        return said(e);
+        const int code = said(e);
+        static_cast<void>(let_readers_read());
+        return code;
     }
 }

@@ -294,7 +294,8 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
 /// What the experimenter reads at the end, and the code of the program's exit.
 int say_end(const RigEnd& end, const RunOptions& options, const RigSpec& spec) {
     if (!end.head.empty()) {
-        say("Seal {}: note it in the lab book, verify prints it.\n", end.head);
+        say("Seal {}: note it in the lab book, verify prints it.{}\n", end.head,
+            end.broken ? " Note too that the session was changed before this run." : "");
     }
     switch (end.session.why) {
         case protocols::SessionEnd::Why::finished:
@@ -316,6 +317,7 @@ int say_end(const RigEnd& end, const RunOptions& options, const RigSpec& spec) {
 
 int run(const RunOptions& options) {
     catch_signals();
+    say_in_passing();
     check_participant(options.participant);
     if (options.secret) {
         data::check_secret(*options.secret);

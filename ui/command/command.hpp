@@ -127,7 +127,7 @@ struct ParseResult {
 /// success. Who closes a pipe has read enough.
 [[nodiscard]] inline int heard(int code) {
     struct stat out {};
-    const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+    const bool lost = !let_readers_read() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
     if (code != 0 || !lost || (fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))) {
         return code;
     }

@@ -73,6 +73,15 @@ std::string shell_word(const std::string& word) {
     if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) {
         return word;
     }
+    if (plain(word, Lines::kept) != word) {  // as bash and zsh read what would be shown otherwise
+        std::string text = "$'";
+        for (const char c : word) {
+            const bool is_plain = kPlain.find(c) != std::string_view::npos;
+            text += is_plain ? std::string(1, c)
+                             : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        }
+        return text + "'";
+    }
     std::string text = "'";
     for (const char c : word) {
         text += c == '\'' ? std::string("'\\''") : std::string(1, c);

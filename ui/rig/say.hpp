@@ -5,20 +5,23 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include "engine/base/text.hpp"
 
 namespace palpate::ui {
 
 /// The one way to a terminal: all that people read goes out here, and nothing in it is an order to
 /// the terminal (engine/base/plain_text.hpp). Writes at once. That nobody reads it any more, or
 /// that a log's disk is full, is no error here: a session goes on without listeners.
-inline void say_to(std::FILE* file, const std::string& text) noexcept {
-    const std::string shown = plain(text, Lines::kept);
-    static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), file));
-    static_cast<void>(std::fflush(file));
-}
+void say_to(std::FILE* file, const std::string& text) noexcept;
+
+/// From here on nobody who does not read (a pager, a terminal after Ctrl+S) holds up who speaks on
+/// standard output or standard error: up to 64 kB wait for the reader, the rest is left out, and
+/// how many texts were is said there.
+void say_in_passing();
+
+/// After that, at the end of the program: whoever reads slowly may read to the end, unless a signal
+/// comes, or came; then what nobody read is counted on standard error.
+/// @return all that was said could be written
+[[nodiscard]] bool let_readers_read() noexcept;
 
 /// What a command says, to standard output.
 template <class... Values>
@@ -33,10 +36,6 @@ void warn(fmt::format_string<Values...> text, Values&&... values) {
 }
 
 /// An alarm that is heard where somebody sits at a terminal: its bell.
-inline void ring() noexcept {
-    if (isatty(STDERR_FILENO) == 1) {
-        static_cast<void>(std::fputc('\a', stderr));
-    }
-}
+void ring() noexcept;
 
 }  // namespace palpate::ui

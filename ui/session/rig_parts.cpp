@@ -8,11 +8,13 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/trouble.hpp"
 #include "protocols/session/trust.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
+#include "data/store/chain.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
@@ -242,6 +244,20 @@ std::unique_ptr<StopLines> stop_lines(const data::Database& database, const Runn
                             [rig](const std::string& line, const std::shared_ptr<Caller>& caller) {
                                 rig.live.hear(line, caller);
                             }});
+}
+
+std::size_t said_breaks(data::Database& database, const data::OpenedSession& opened) {
+    const std::vector<data::ChainBreak> broken = data::chain_breaks(database, opened.id);
+    if (!broken.empty()) {
+        warn(
+            "{}: this session was changed by hand before it goes on here: {} of it {} not hold, "
+            "first {} of {}; palpate verify says what differs",
+            database.file(), counted(broken.size(), "seal"), broken.size() == 1 ? "does" : "do",
+            broken.front().what,
+            broken.front().trial == 0 ? "the session"
+                                      : fmt::format("trial {}", broken.front().trial));
+    }
+    return broken.size();
 }
 
 void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -75,6 +76,10 @@ struct OpenedMasking {
 /// desk hears of a stop first, so that no trial begins unheard.
 [[nodiscard]] std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                                                     const RunningRig& rig);
+
+/// How many seals of a session do not hold before it goes on. Said: what is recorded from here on
+/// gets seals that do.
+[[nodiscard]] std::size_t said_breaks(data::Database& database, const data::OpenedSession& opened);
 
 /// After what nobody can mend in here, as a full disk, the participant's screen asks for a moment
 /// until the experimenter has come. The force is off.

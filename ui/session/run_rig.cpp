@@ -348,7 +348,7 @@ RigEnd run_rig(data::Database& database,
     facts.masking_db = masking.player ? std::optional(protocol.masking.level_db) : std::nullopt;
     OperatorLog log(opened.progress.attempts(), now_s());
     const SummaryAtEnd summary(database, opened, spec);
-    const std::size_t breaks = data::chain_breaks(database, opened.id).size();
+    const std::size_t breaks = said_breaks(database, opened);
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
@@ -374,15 +374,14 @@ RigEnd run_rig(data::Database& database,
             throw;
         }
         keep_screen(*observers.screen, desk, e.what());
-        throw std::runtime_error(
-            "the session ended there; what was recorded is kept, the same command goes on");
+        throw std::runtime_error("the session ended there; what was recorded is kept");
     }
     show_end(live, desk, end);
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
     }
-    return {.session = std::move(end), .head = data::kept_head(database, opened.id, breaks)};
+    return {std::move(end), data::kept_head(database, opened.id, breaks), breaks > 0};
 }
 
 }  // namespace palpate::ui

@@ -15,6 +15,7 @@ struct RigEnd {
     protocols::SessionEnd session{};
     std::string
         head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
+    bool broken = false;  ///< some link of it did not hold before this run
 };
 
 /// As check_goes_on() of the session that `spec` would go on with.

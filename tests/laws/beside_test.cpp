@@ -1,0 +1,145 @@
+#include "data/store/database.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
+
+/// What lies beside a file, or under another name of it.
+namespace {
+
+const Words kNoDisplay{"DISPLAY", "WAYLAND_DISPLAY"};
+
+Words words(const std::string& file,
+            const std::string& participant = "P1",
+            const std::string& speed = "0") {
+    return run_words("shape_friction_demo", participant, file,
+                     {"--headless", "--speed", speed, "--secret", kRunSecret});
+}
+
+/// A session, slowed down, up to its third trial, before which stands `said`.
+std::unique_ptr<Process> run_to_third(const std::string& file,
+                                      const std::string& participant = "P1",
+                                      const std::string& said = "\n#2 ") {
+    const Words command = command_of(words(file, participant, "10"));
+    auto running = std::make_unique<Process>(command, kNoDisplay);
+    REQUIRE(running->says(said));
+    return running;
+}
+
+/// Until the log holds a part of a trial.
+void await_log(const std::string& file) {
+    REQUIRE(eventually([&] {
+        std::error_code none;
+        const auto size = std::filesystem::file_size(file + "-wal", none);
+        return !none && size > 100'000;
+    }));
+}
+
+std::string answers(const std::string& file) {
+    return sql_lines(file, "SELECT count(*) FROM response");
+}
+
+}  // namespace
+
+TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    ran(words(file));
+    const auto running = run_to_third(file, "P2", "\n#12 ");
+    await_log(file);
+    std::filesystem::remove(file);
+    check_end(running->wait(), 1, Has("d.sqlite: it was deleted", "in it again: run again"));
+    CHECK(folder.names() == Words{"d.sqlite"});
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    const int before = std::stoi(answers(file));
+    CHECK(before >= 12);
+    CHECK_THAT(ran(words(file, "P2")).out, Has("Resuming at ", "Finished."));
+    CHECK(answers(file) == "20\n");
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
+TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed with that log",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string copy = folder.file("copy.sqlite");
+    ran(words(file));
+    std::filesystem::copy_file(file, copy);
+    const auto running = run_to_third(file, "P2", "\n#12 ");
+    await_log(file);
+    running->ended_by(SIGKILL);
+    const std::string log = slurp(file + "-wal");
+    std::filesystem::copy_file(copy, file, std::filesystem::copy_options::overwrite_existing);
+    for (const auto& second :
+         {words(file, "P2"), {"status", file}, {"summary", file}, {"verify", file}}) {
+        check_end(palpate_command(second), 1,
+                  Has("d.sqlite-wal, goes with another state of it", "d.sqlite-shm away"));
+    }
+    CHECK(slurp(file) == slurp(copy));
+    CHECK(slurp(file + "-wal") == log);
+    std::filesystem::remove(file + "-wal");
+    std::filesystem::remove(file + "-shm");
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    ran(words(file, "P2"));
+    CHECK(answers(file) == "20\n");
+}
+
+TEST_CASE("a file of two names is written under none of them, and no answer is lost",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string second = folder.file("second.sqlite");
+    const auto running = run_to_third(file);
+    await_log(file);
+    running->ended_by(SIGKILL);
+    std::filesystem::create_hard_link(file, second);
+    for (const std::string& name : {file, second}) {
+        check_end(palpate_command(words(name)), 1, Has("has 2 names (hard links)"));
+    }
+    std::filesystem::remove(second);
+    ran(words(file));
+    CHECK(answers(file) == "10\n");
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
+TEST_CASE("of a session's file nobody reads a second name, and is told which to use",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string second = folder.file("second.sqlite");
+    const auto running = run_to_third(file);
+    std::filesystem::create_hard_link(file, second);
+    check_end(palpate_command({"status", second}), 1, Has("under another of its names"));
+    CHECK(running->wait().code == 0);
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
+TEST_CASE("nothing begins where a link leads nowhere, or beside what was rescued; what is empty is",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::create_symlink("nowhere/x", file);
+    check_end(palpate_command(words(file)), 2, Has("a link to nowhere/x, which is not there"));
+    std::filesystem::remove(file);
+    write(file + ".rescued", "");
+    check_end(palpate_command(words(file)), 2, Has("d.sqlite.rescued beside it is what was"));
+    CHECK(folder.names() == Words{"d.sqlite.rescued"});
+    std::filesystem::remove(file + ".rescued");
+    write(file, "");
+    check_end(palpate_command({"verify", file}), 2, Has("nothing is in it", "killed"));
+    ran(words(file));
+}
+
+TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto running = run_to_third(file);
+    CHECK(running->ended_by(SIGTERM) == 3);
+    sql_edit(file,
+             "PRAGMA foreign_keys = OFF; DELETE FROM trial WHERE trial_id = (SELECT max(trial_id) "
+             "FROM trial)");
+    const Finished end = palpate_command(words(file));
+    CHECK_THAT(end.error, Has("rows were changed or deleted by hand", "palpate verify"));
+    CHECK_THAT(end.error, !Has("INSERT"));
+}
