@@ -300,10 +300,15 @@ void check_session(Database& database, SessionSpec spec) {
     static_cast<void>(opened_session(database, spec));
 }
 
-OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
+OpenedSession plan_and_open_session(Database& database,
+                                    SessionSpec& spec,
+                                    const std::function<void()>& asks) {
     const RowsTaken before = rows_taken(database, spec);
     spec.plan = planned(spec, before);
     Transaction all(database);
+    if (asks) {
+        asks();
+    }
     if (const RowsTaken now = rows_taken(database, spec); now != before) {
         spec.plan = planned(spec, now);
     }

@@ -17,9 +17,6 @@ struct RigEnd {
         head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
 };
 
-/// As check_goes_on() of the session that `spec` would go on with.
-void check_goes_on(data::Database& database, RigSpec& spec);
-
 /// Opens what the session is felt on, and says what should be known of it. Before windows, as
 /// open_apparatus().
 /// @throws as that; std::invalid_argument for what nobody should hold
