@@ -232,6 +232,10 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
         sleep_until(monotonic_ns() + servo_.period_ns());
         place = look();
     }
+    if (place && servo_.moved() != engine::Trip::none) {  // what it says is not believed
+        place_fault_ = servo_.moved();
+        place.reset();
+    }
     return place.value_or(engine::Vec3(std::numeric_limits<double>::infinity()));
 }
 

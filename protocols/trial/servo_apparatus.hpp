@@ -220,6 +220,8 @@ public:
     [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::optional<engine::Vec3> place() override;
     [[nodiscard]] engine::Trip place_fault() const override { return place_fault_; }
+    [[nodiscard]] engine::Trip moved() const override { return servo_.moved(); }
+    void forget_move() override { servo_.forget_move(); }
 
     /// @param proof  of the rig that was opened and proved with it
     void prove_by(RigProof proof) { proof_ = std::move(proof); }
@@ -230,7 +232,7 @@ private:
     RigProof proof_;
     std::atomic<bool> stopped_{false};
     engine::Trip place_fault_ = engine::Trip::device_silent;
-    std::size_t homings_;   ///< of the device, when it was last asked whether it began anew
+    std::size_t homings_;  ///< of the device, when it was last asked whether it began anew
     std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };
 
