@@ -182,7 +182,14 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
 
 bool DeviceApparatus::reconnect() {
     servo_.park();  // nobody else may use the device meanwhile
-    return device_->reconnect();
+    if (!device_->reconnect()) {
+        return false;
+    }
+    if (asks_ && looked_at_ != device_->homings()) {
+        other_ = asks_();
+        looked_at_ = other_.empty() ? std::optional(device_->homings()) : std::nullopt;
+    }
+    return other_.empty();
 }
 
 bool DeviceApparatus::began_anew() {

@@ -1,15 +1,23 @@
 #include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/relay.hpp"
 
 // What a session takes for its rig, by the shipped program in a window: not what a slipped encoder
-// says.
+// says, not what stands at the port in its board's place.
 
 namespace {
 
 std::int64_t number(const TemporaryFolder& folder, const std::string& what) {
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     return database.first("SELECT count(*) FROM " + what).integer(0);
+}
+
+/// Pulled out; another may come in its place.
+void unplug(const TemporaryFolder& folder, std::unique_ptr<FreeBoard>& board) {
+    board.reset();
+    std::filesystem::remove(folder.file("board"));
+    std::filesystem::remove(folder.file("hand"));
 }
 
 }  // namespace
@@ -45,4 +53,48 @@ TEST_CASE("an encoder that jumps at Ready is a fault, and a hand that brings the
     end_session(hand, run);
     CHECK(run.program().wait().code == 3);
     ran({"verify", folder.file("d.sqlite")});
+}
+
+TEST_CASE("a board in an emulator's place, or an emulator in a board's, is not the session's rig",
+          "[commission][haply][window][safety][law]") {
+    const bool simulated = GENERATE(true, false);
+    CAPTURE(simulated);
+    const TemporaryFolder folder;
+    const TemporaryFolder elsewhere;
+    FreeBoard other(elsewhere);
+    auto board = simulated ? std::make_unique<FreeBoard>(folder) : nullptr;
+    auto relay = simulated ? nullptr
+                           : std::make_unique<Relay>(folder.file("board"), elsewhere.file("board"));
+    const std::string device = "haply:" + folder.file("board");
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
+    const std::string record = commissioned_rig(folder, device);
+    const auto typed = opened_session(
+        folder, simulated ? *board : other, screen,
+        ran_words(folder, device) + (simulated ? "" : " --calibration '" + record + "'"));
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    press_up_to(hand, run, "ready");
+    CHECK(number(folder, simulated ? "session WHERE session_kind = 'simulated'"
+                                   : "session WHERE session_kind = 'real'") == 1);
+    if (simulated) {
+        unplug(folder, board);
+        relay = std::make_unique<Relay>(folder.file("board"), elsewhere.file("board"));
+        CHECK(run.program().says("is no longer palpate haply-emulator"));
+    } else {
+        relay.reset();
+        board = std::make_unique<FreeBoard>(folder);
+        CHECK(run.program().says("is now palpate haply-emulator, process "));
+    }
+    hand.chord("p");
+    pause(1.0);
+    CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+    if (simulated) {  // what the session was begun with goes on
+        relay.reset();
+        board = std::make_unique<FreeBoard>(folder);
+        CHECK(run.program().says("can go on"));
+    }
+    CHECK(number(folder, "trial") == 0);
+    end_session(hand, run);
+    CHECK(run.program().wait().code == 3);
 }

@@ -1,6 +1,8 @@
+#include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/changing_rig.hpp"
 
-// What takes a rig away from its session while nothing is felt: a handle that jumps.
+// What takes a rig away from its session while nothing is felt: a handle that jumps, and another
+// device where the session's was.
 
 using namespace palpate::protocols;
 using engine::Trip;
@@ -59,4 +61,44 @@ TEST_CASE("a handle that jumps while nothing is felt is a fault before the next 
     REQUIRE(rig.jumps >= 1);
     CHECK(kept.causes[std::string(to_string(cause))] == rig.jumps);
     CHECK(kept.count_of_key["rig check"] >= rig.jumps);  // begin() looks that it was before force
+}
+
+TEST_CASE("whether it is the session's device is asked wherever one began anew or went away",
+          "[session][trust][law]") {
+    class Replugged : public engine::Device {
+    public:
+        explicit Replugged(std::size_t& times) : times_(times) {}
+        engine::Reading read() noexcept override { return {}; }
+        engine::AppliedForce write(const engine::Vec3& /*force*/) noexcept override { return {}; }
+        [[nodiscard]] std::string name() const override { return "replugged"; }
+        [[nodiscard]] std::size_t homings() const noexcept override { return times_; }
+
+    private:
+        std::size_t& times_;
+    };
+    std::size_t plugged = 0;
+    std::size_t asked = 0;
+    std::string why;
+    DeviceApparatus rig(short_protocol(), std::make_unique<Replugged>(plugged));
+    rig.ask_by([&] {
+        ++asked;
+        return why;
+    });
+    CHECK(rig.reconnect());
+    CHECK(asked == 0);  // it is the one that was opened
+    ++plugged;
+    CHECK(rig.reconnect());
+    CHECK(rig.reconnect());
+    CHECK(asked == 1);
+    rig.doubt_plugs();  // it was silent
+    why = "another one";
+    for (int tries = 0; tries < 3; ++tries) {
+        const ProofStep step = prove_step(rig, Trust::unknown);
+        CHECK_FALSE(step.event);
+        CHECK(step.refused == "another one");
+    }
+    CHECK(asked == 4);
+    why.clear();
+    CHECK(prove_step(rig, Trust::unknown).event);
+    CHECK(rig.trouble().empty());
 }

@@ -67,6 +67,7 @@ data::RunKind kind_by_hand(const RunOptions& options,
 
 data::RunKind kind_of(const RunOptions& options,
                       const DeviceChoice& device,
+                      const Behind& there,
                       const protocols::Protocol& protocol) {
     const bool person = wants_window(options.rig.screen);
     refuse_if(held_by_a_person(device.kind) && !person,
@@ -80,7 +81,7 @@ data::RunKind kind_of(const RunOptions& options,
         }
         return data::RunKind::simulated;
     }
-    const Behind board = options.kind.empty() ? behind(device) : Behind{};
+    const Behind board = options.kind.empty() ? there : Behind{};
     if (board.emulator) {
         warn(
             "behind --device {} is palpate haply-emulator, process {}: the session is recorded as "
@@ -194,7 +195,8 @@ RigSpec rig_spec(const RunOptions& options) {
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
     spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
     spec.go_on = go_on_command(options.words);
-    spec.kind = kind_of(options, spec.device, spec.study.protocol);
+    spec.behind = behind(spec.device);
+    spec.kind = kind_of(options, spec.device, *spec.behind, spec.study.protocol);
     check_device(options, spec);
     check_record(spec, options.device, options.calibration);
     check_number(options, spec.study.protocol.id);

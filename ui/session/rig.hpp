@@ -34,6 +34,7 @@ struct RigSpec {
     std::uint64_t seed = 0;
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
+    std::optional<Behind> behind{};  ///< when `kind` was chosen; none: nobody asked
     protocols::HandSpec hand{};      ///< of a simulated hand
     protocols::RigFile rig{};  ///< of rig_file_of(); with a record it is proved when it is opened
     bool handle_free =
