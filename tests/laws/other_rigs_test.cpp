@@ -98,3 +98,39 @@ TEST_CASE("a board in an emulator's place, or an emulator in a board's, is not t
     end_session(hand, run);
     CHECK(run.program().wait().code == 3);
 }
+
+TEST_CASE("another open board is not the one that was commissioned, and not the session's",
+          "[commission][open][window][law]") {
+    const TemporaryFolder folder;
+    auto board = std::make_unique<FreeBoard>(folder, "--open");
+    const std::string rig = commissioned_rig(folder, board->word());
+    const std::string words = real_words(folder, *board, rig);
+    {
+        const Xvfb screen(1280, 800);
+        XHand hand(screen.display());
+        const auto typed = opened_session(folder, *board, screen, words);
+        INFO(typed->program().error());
+        press_up_to(hand, *typed, "question");
+        end_session(hand, *typed);
+        CHECK(typed->program().wait().code == 3);
+    }
+    REQUIRE(number(folder, "trial") > 0);
+    engine::Calibration nine = protocols::load_calibration("2diy_gen3");
+    nine.board->id = 9;
+    write(folder.file("nine.toml"), protocols::to_toml(nine));
+    unplug(folder, board);
+    board =
+        std::make_unique<FreeBoard>(folder, "--open --preset '" + folder.file("nine.toml") + "'");
+    const Finished other = operated(folder, *board, words);
+    check_end(other, 1,
+              Has("was commissioned with the board with the id 0, and this is the board with the "
+                  "id 9: plug that one in, or commission this one"));
+    CHECK(count_of(other.out, "Bring the handle to") == 0);
+    // Commissioned, it is still not what the session was felt on.
+    static_cast<void>(commissioned_rig(folder, board->word(), "2diy_gen3", 9));
+    const Finished goes_on = operated(folder, *board, words);
+    check_end(goes_on, 2,
+              Has(", the board with the id 0 so far, and would go on with ",
+                  ", the board with the id 9; use the device it was felt on", "--other-device"));
+    CHECK(count_of(goes_on.out, "Type yes:") == 0);
+}

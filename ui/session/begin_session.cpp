@@ -1,7 +1,11 @@
 #include "ui/session/begin_session.hpp"
 
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "protocols/session/trust.hpp"
 #include "ui/session/admission.hpp"
 #include "ui/session/provenance.hpp"
 #include "ui/session/session_choice.hpp"
@@ -12,6 +16,11 @@ namespace {
 /// All but the plan, which the file decides, and what only an opened device says.
 data::SessionSpec session_of(const RigSpec& spec) {
     const data::TrialDevice device = felt_on(spec);
+    decltype(data::SessionSpec::provenance) known{
+        {std::string(data::kCalibrationHashKey), device.calibration}};
+    if (spec.rig.record && spec.rig.record->board) {
+        known.emplace_back(protocols::kBoard, fmt::format("id {}", *spec.rig.record->board));
+    }
     return {.protocol = spec.study.protocol,
             .protocol_hash = spec.study.hash,
             .plan = {},
@@ -21,7 +30,7 @@ data::SessionSpec session_of(const RigSpec& spec) {
             .device = device.name,
             .resume = spec.resume,
             .operator_name = spec.operator_name,
-            .provenance = {{std::string(data::kCalibrationHashKey), device.calibration}},
+            .provenance = std::move(known),
             .other_device = spec.other_device};
 }
 
@@ -50,6 +59,9 @@ data::OpenedSession begin_session(data::Database& database,
                                   const OpenedApparatus& felt,
                                   data::SessionSpec& session) {
     session = session_of(spec, felt);
+    if (!felt.port->identity().empty()) {  // which board it is, only the opened one says
+        check_goes_on(database, session);
+    }
     return data::plan_and_open_session(database, session,
                                        [&] { admit(&database, database.file(), spec); });
 }

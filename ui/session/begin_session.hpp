@@ -13,7 +13,7 @@ void check_goes_on(data::Database& database, RigSpec& spec);
 /// Plans and opens the session, or resumes it, on the device that was opened: as
 /// data::plan_and_open_session(), with admit() in its transaction.
 /// @param session  becomes what it is, with its plan
-/// @throws as these
+/// @throws as these, and as check_goes_on(): which board it is, only an opened one says
 [[nodiscard]] data::OpenedSession begin_session(data::Database& database,
                                                 const RigSpec& spec,
                                                 const OpenedApparatus& felt,

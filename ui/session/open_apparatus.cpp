@@ -77,6 +77,7 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     const std::string why = other();  // since the question
     refuse_if<std::runtime_error>(!why.empty(), "{}", why);
     if (record) {
+        check_board(*device, *record);
         opening = prove_opening(*device, calibration, *record, period, spec.handle_free,
                                 spec.stop_button);
     }
