@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/commissioning/rig_record.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "protocols/session/trust.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
@@ -174,15 +176,24 @@ void require_same(const Database& database, const Existing& there, const Session
 
 /// What was felt on one device is not to be mixed with another by accident.
 void require_same_device(Database& database, const Existing& there, const SessionSpec& spec) {
-    const auto made = std::ranges::find(spec.provenance, kCalibrationHashKey,
-                                        &std::pair<std::string, std::string>::first);
-    const TrialDevice now{spec.device, made == spec.provenance.end() ? "" : made->second};
+    const auto said = [&](std::string_view key) {
+        const auto made =
+            std::ranges::find(spec.provenance, key, &std::pair<std::string, std::string>::first);
+        return made == spec.provenance.end() ? std::string() : made->second;
+    };
+    const TrialDevice now{spec.device, said(kCalibrationHashKey)};
     const auto before = last_device(database, there.id);
-    if (before && !same_rig(*before, now) && !spec.other_device && !there.finished) {
+    const auto board = engine::board_id(said(protocols::kBoard));
+    const auto last = engine::board_id(last_board(database, there.id));
+    const bool same = before && same_rig(*before, now) && (!board || !last || board == last);
+    if (before && !same && !spec.other_device && !there.finished) {
+        const auto text = [](const TrialDevice& device, std::optional<std::uint32_t> id) {
+            return device_text(device) + (id ? fmt::format(", the board with the id {}", *id) : "");
+        };
         throw OtherDevice(
             fmt::format("session {} of {} in {} was felt on {} so far, and would go on with {}",
                         spec.key.session, spec.key.participant, spec.protocol.id,
-                        device_text(*before), device_text(now)));
+                        text(*before, last), text(now, board)));
     }
 }
 
@@ -304,10 +315,15 @@ void check_session(Database& database, SessionSpec spec) {
     static_cast<void>(opened_session(database, spec));
 }
 
-OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
+OpenedSession plan_and_open_session(Database& database,
+                                    SessionSpec& spec,
+                                    const std::function<void()>& asks) {
     const RowsTaken before = rows_taken(database, spec);
     spec.plan = planned(spec, before);
     Transaction all(database);
+    if (asks) {
+        asks();
+    }
     if (const RowsTaken now = rows_taken(database, spec); now != before) {
         spec.plan = planned(spec, now);
     }

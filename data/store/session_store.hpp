@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -126,7 +127,10 @@ void check_session(Database& database, SessionSpec spec);
 /// its counterbalanced rows are those that the session, or the participant, already has, else those
 /// that fewest others have. Of two rigs that begin at the same moment, the second sees the row that
 /// the first took.
-/// @throws what protocols::make_plan() throws, too: nothing changes
-[[nodiscard]] OpenedSession plan_and_open_session(Database& database, SessionSpec& spec);
+/// @param asks  in the same transaction, before anything changes: throws what stands against it
+/// @throws what protocols::make_plan() and `asks` throw, too: nothing changes
+[[nodiscard]] OpenedSession plan_and_open_session(Database& database,
+                                                  SessionSpec& spec,
+                                                  const std::function<void()>& asks = {});
 
 }  // namespace palpate::data

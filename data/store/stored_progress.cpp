@@ -276,6 +276,23 @@ std::optional<TrialDevice> last_device(Database& database, std::int64_t session)
     return row.step() ? std::optional(TrialDevice{row.text(0), row.text(1)}) : std::nullopt;
 }
 
+std::string last_board(Database& database, std::int64_t session) {
+    const std::int64_t trials =
+        database.first("SELECT count(*) FROM trial WHERE session_id = ?1", session).integer(0);
+    const auto begun = first_provenance(database, session);
+    const auto at_first = begun.find(std::string(protocols::kBoard));
+    const std::string first = at_first == begun.end() ? "" : at_first->second;
+    std::string board = first;
+    for (const auto& [before, event] : stored_events(database, session)) {
+        if (before >= trials) {
+            break;
+        }
+        const bool said = event.kind == EventKind::provenance && event.key == protocols::kBoard;
+        board = event.kind == EventKind::planned_again ? first : said ? event.value : board;
+    }
+    return board;
+}
+
 bool same_rig(const TrialDevice& a, const TrialDevice& b) {
     const auto kind = [](const TrialDevice& one) {
         return one.name.substr(0, one.name.find(" at "));

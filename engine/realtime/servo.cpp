@@ -61,12 +61,13 @@ void Servo::run_tick(std::int64_t time_ns,
                      std::int64_t at_ns,
                      std::int64_t lateness_ns,
                      bool enable) noexcept {
-    const TickOrder order{.time_ns = time_ns,
-                          .lateness_ns = lateness_ns,
-                          .enable = enable,
-                          .held = held_at(at_ns, enable),
-                          .screen_age = screen_age_at(at_ns),
-                          .stop = stop_.load(std::memory_order_relaxed)};
+    const TickOrder order{
+        .time_ns = time_ns,
+        .lateness_ns = lateness_ns,
+        .enable = enable,
+        .held = held_at(at_ns, enable),
+        .screen_age = screen_age_at(at_ns),
+        .stop = found_ != Trip::none ? found_ : stop_.load(std::memory_order_relaxed)};
     const TickRecord record = loop_.tick(order);
     if (!ring_.push(record)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
@@ -77,6 +78,9 @@ void Servo::run_tick(std::int64_t time_ns,
 void Servo::run_idle(std::int64_t at_ns) noexcept {
     const Reading reading = loop_.idle();
     idle_fault_ = reading.fault;
+    const Trip moved = watch_rest(rest_watch_, loop_.limits(), reading, at_ns, monotonic_ns());
+    Trip none = Trip::none;
+    moved_.compare_exchange_strong(none, moved);
     rest_.publish({.at_ns = at_ns, .hip = reading.hip, .fault = reading.fault});
 }
 

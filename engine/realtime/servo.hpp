@@ -11,6 +11,7 @@
 #include "engine/realtime/lock_free.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "engine/realtime/tick_loop.hpp"
+#include "engine/safety/rest_watch.hpp"
 
 namespace palpate::engine {
 
@@ -110,6 +111,13 @@ public:
     /// Any thread: the newest reading between trials; none before the first.
     [[nodiscard]] std::optional<RestReading> resting() const noexcept { return rest_.read(); }
 
+    /// Any thread: how the handle moved between trials as no hand does, Trip::jump or
+    /// Trip::over_speed; none: it did not. It stays until forget_move(), and a trial that begins
+    /// before trips on it in its first tick.
+    [[nodiscard]] Trip moved() const noexcept { return moved_.load(); }
+    /// Between trials: whoever may was told.
+    void forget_move() noexcept { moved_.store(Trip::none); }
+
     /// Why the force is off, and the ticks up to then. After advance() said faulted, or after
     /// end().
     [[nodiscard]] Trip trip() const noexcept { return loop_.trip(); }
@@ -125,6 +133,10 @@ protected:
                   std::int64_t lateness_ns,
                   bool enable) noexcept;
     void run_idle(std::int64_t at_ns) noexcept;
+    /// On the thread that ticks, as it begins to rest.
+    void begin_rest() noexcept { rest_watch_ = RestWatch{}; }
+    /// The same, as a trial begins.
+    void take_move() noexcept { found_ = moved_.exchange(Trip::none); }
     /// On the thread that ticks, as a trial begins: what was read before it is no place any more.
     void forget_rest() noexcept { rest_.publish({}); }
     /// Before each trial: forgets the last trial's ticks.
@@ -149,6 +161,9 @@ private:
 
     TickRing ring_{kRingTicks};
     LatestValue<RestReading> rest_{};
+    RestWatch rest_watch_{};
+    Trip found_ = Trip::none;  ///< before this trial
+    std::atomic<Trip> moved_{Trip::none};
     std::atomic<std::int64_t> dropped_{0};
     std::atomic<std::int64_t> held_ns_{kAlways};  ///< when it was last seen held; 0: let go
     std::atomic<std::int64_t> beat_ns_{0};

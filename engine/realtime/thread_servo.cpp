@@ -175,6 +175,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
         case Order::run:
             idle_fault_ = DeviceFault::none;
             forget_rest();
+            take_move();
             loop_.begin(scene_, rest_s(deadline_ns));
             start_ns_.store(deadline_ns, std::memory_order_relaxed);
             stand(State::running);
@@ -186,6 +187,9 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
             break;
         case Order::rest:
             idle_fault_ = DeviceFault::none;
+            if (state() != State::resting) {
+                begin_rest();
+            }
             stand(State::resting);
             done();
             break;
@@ -244,6 +248,7 @@ bool ThreadServo::one_tick(const Wake& wake) noexcept {
     }
     if (!enable && --ramp_left_ <= 0) {
         loop_.silence();
+        begin_rest();
         stand(State::resting);
         done();
     }

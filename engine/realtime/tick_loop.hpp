@@ -77,6 +77,7 @@ public:
     void prove_zero() noexcept { device_->prove_zero(); }
     void keep_off() noexcept { device_->keep_off(); }
 
+    [[nodiscard]] const SafetyLimits& limits() const noexcept { return limits_; }
     /// As it was given; outlives this.
     [[nodiscard]] const Device& device() const noexcept { return *device_; }
     /// Why the force is off; none while it is not.

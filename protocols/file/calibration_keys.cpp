@@ -219,6 +219,8 @@ using engine::RigRecord;
 constexpr Key kRecord[]{
     {.name = "device", .slot = at<&RigRecord::device>, .need = required, .form = Form::free,
      .meaning = "that was commissioned, as --device has it"},
+    {.name = "board_id", .slot = at<&RigRecord::board>, .range = {0, 4294967295},
+     .meaning = "of the open board; left out: the device says none"},
     {.name = "program", .slot = at<&RigRecord::program>, .need = required, .form = Form::free,
      .meaning = "version of the program that did it"},
     {.name = "calibration_sha256", .slot = at<&RigRecord::calibration>, .need = required, .form = Form::free,

@@ -51,6 +51,14 @@ public:
             if (wants_stop()) {  // since the pause
                 continue;
             }
+            if (const engine::Trip moved = ports_.apparatus.moved(); moved != engine::Trip::none) {
+                const Fault fault{
+                    .cause = moved, .text = std::string(explanation(moved)), .last = {}};
+                if (lost_before(plan_.trials.at(pending().next()), fault) == Signal::abort) {
+                    return stopped();
+                }
+                continue;
+            }
             if ((!fresh || !trusted()) && between() == Signal::abort) {
                 return stopped();
             }
@@ -256,8 +264,10 @@ private:
         return wants_stop() ? Signal::go_on : mend_unproved(refused.text);
     }
 
-    /// The device went away before anybody began: no attempt has failed.
+    /// The device went away, or its handle moved as no hand does, before anybody began: no attempt
+    /// has failed.
     Signal lost_before(const PlannedTrial& planned, const Fault& fault) {
+        ports_.apparatus.forget_move();
         happened({.kind = EventKind::fault,
                   .text = fmt::format("before the trial at position {}: {}", planned.position,
                                       fault.text),

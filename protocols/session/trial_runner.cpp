@@ -85,12 +85,16 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         presentations_of(protocol_, planned, stimulus_for(protocol_, planned, progress_.runs()));
     view.intervals = felt.size();
     const Signal begun = begin(view);
-    if (begun != Signal::go_on || ports_.desk->wants()) {
+    const bool wanted = begun == Signal::go_on && !ports_.desk->wants();
+    const engine::Trip moved = ports_.apparatus.moved();
+    if (!wanted || moved != engine::Trip::none) {
         TrialResult result;
         result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
         result.begun = false;
         if (begun == Signal::no_place) {
             result.fault = fault_of(ports_.apparatus.place_fault());
+        } else if (wanted) {
+            result.fault = fault_of(moved);
         }
         return result;
     }

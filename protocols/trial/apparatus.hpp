@@ -85,6 +85,11 @@ public:
     [[nodiscard]] virtual std::optional<engine::Vec3> place() { return std::nullopt; }
     /// Why the last place() was infinitely far: what the device then told of itself.
     [[nodiscard]] virtual engine::Trip place_fault() const { return engine::Trip::device_silent; }
+    /// Between trials: how the handle moved as no hand does while nothing was felt, Trip::jump or
+    /// Trip::over_speed; none: it did not. It stays until forget_move().
+    [[nodiscard]] virtual engine::Trip moved() const { return engine::Trip::none; }
+    /// Between trials: it is kept as a fault.
+    virtual void forget_move() {}
     /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a
     /// virtual clock, which is never late.
     [[nodiscard]] virtual std::string timing() const { return {}; }

@@ -182,7 +182,14 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
 
 bool DeviceApparatus::reconnect() {
     servo_.park();  // nobody else may use the device meanwhile
-    return device_->reconnect();
+    if (!device_->reconnect()) {
+        return false;
+    }
+    if (asks_ && looked_at_ != device_->homings()) {
+        other_ = asks_();
+        looked_at_ = other_.empty() ? std::optional(device_->homings()) : std::nullopt;
+    }
+    return other_.empty();
 }
 
 bool DeviceApparatus::began_anew() {
@@ -231,6 +238,10 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
     for (int i = 0; i < kLooks && !place; ++i) {
         sleep_until(monotonic_ns() + servo_.period_ns());
         place = look();
+    }
+    if (place && servo_.moved() != engine::Trip::none) {  // what it says is not believed
+        place_fault_ = servo_.moved();
+        place.reset();
     }
     return place.value_or(engine::Vec3(std::numeric_limits<double>::infinity()));
 }

@@ -198,7 +198,7 @@ public:
     [[nodiscard]] bool began_anew() override;
     [[nodiscard]] std::string trouble() const override {
         const std::string trouble = device_->trouble();
-        return trouble.empty() ? unproved_ : trouble;
+        return !trouble.empty() ? trouble : !other_.empty() ? other_ : unproved_;
     }
     [[nodiscard]] bool force_unproved() const override { return device_->force_unproved(); }
     [[nodiscard]] bool gives_force() const noexcept override {
@@ -216,13 +216,21 @@ public:
     [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
     [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
     [[nodiscard]] engine::ShortForm prove_place() override;
-    void doubt_plugs() override { proof_.proved_homings.reset(); }
+    void doubt_plugs() override {
+        proof_.proved_homings.reset();
+        looked_at_.reset();
+    }
     [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::optional<engine::Vec3> place() override;
     [[nodiscard]] engine::Trip place_fault() const override { return place_fault_; }
+    [[nodiscard]] engine::Trip moved() const override { return servo_.moved(); }
+    void forget_move() override { servo_.forget_move(); }
 
     /// @param proof  of the rig that was opened and proved with it
     void prove_by(RigProof proof) { proof_ = std::move(proof); }
+    /// @param other  asked by reconnect() wherever the device began anew or may be another one: why
+    ///               the session may not go on with it, a sentence; empty: it may
+    void ask_by(std::function<std::string()> other) { asks_ = std::move(other); }
 
 private:
     std::unique_ptr<engine::Device> device_;
@@ -230,7 +238,10 @@ private:
     RigProof proof_;
     std::atomic<bool> stopped_{false};
     engine::Trip place_fault_ = engine::Trip::device_silent;
-    std::size_t homings_;   ///< of the device, when it was last asked whether it began anew
+    std::size_t homings_;  ///< of the device, when it was last asked whether it began anew
+    std::function<std::string()> asks_;
+    std::optional<std::size_t> looked_at_ = homings_;  ///< of the device that was asked about
+    std::string other_;                                ///< why it is not the session's
     std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };
 

@@ -112,6 +112,38 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     CHECK(data::open_session(database, elsewhere).id == id);
 }
 
+TEST_CASE(
+    "a session goes on with the board that its last trial was felt on, or where that is meant",
+    "[store][law]") {
+    NewDatabase database;
+    auto spec = session_spec(small_protocol());
+    const auto board = [&](const std::string& said) -> data::SessionSpec& {
+        spec.provenance = {{std::string(protocols::kBoard), said}};
+        return spec;
+    };
+    const auto trial = [&](const data::SessionSpec& by, std::size_t position) {
+        const auto opened = data::open_session(database, by);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[position]),
+                           answered(0, false));
+    };
+    static_cast<void>(data::open_session(database, board("id 3, firmware 1")));
+    trial(board("id 7, firmware 1"), 0);  // nothing was felt on 3
+    CHECK_THROWS_WITH(data::open_session(database, board("id 3, firmware 1")),
+                      Has(", the board with the id 7 so far", ", the board with the id 3"));
+    trial(board("id 7, firmware 2"), 1);
+    spec.other_device = true;
+    static_cast<void>(data::open_session(database, board("id 3, firmware 1")));
+    spec.other_device = false;
+    trial(board("id 7, firmware 2"), 2);  // nor yet
+    spec.other_device = true;
+    trial(board("id 3, firmware 1"), 3);
+    spec.other_device = false;
+    CHECK_THROWS_AS(data::open_session(database, board("id 7, firmware 2")), data::OtherDevice);
+    CHECK_NOTHROW(data::open_session(database, board("id 3, firmware 1")));
+    CHECK_NOTHROW(data::open_session(database, board("")));  // before it is opened nobody knows
+}
+
 TEST_CASE("whatever a session goes on with and without, the last word of each key is what holds",
           "[store][verify][law]") {
     SEEDED(random, std::uint64_t{30});

@@ -310,7 +310,7 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
         commission(*desk.device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
                    attended(
                        [&](const Vec3& place) {
-                           handle.bring(Vec2(place));
+                           handle.put(Vec2(place));
                            desk.cable.pass(200'000'000);
                        },
                        [&] { desk.pass_tick(); }));

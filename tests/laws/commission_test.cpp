@@ -174,6 +174,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     const protocols::RigFile rig = protocols::load_rig(folder.file("rig.toml"));
     REQUIRE(rig.record);
     CHECK(rig.record->dynamics.handle_mass == Approx(0.1).epsilon(0.15));
+    CHECK(rig.record->board == 1);  // as the example says
     const Finished moved = operated(
         folder, device,
         ran_words(folder, device.word()) + " --calibration '" + calibration + "' --handle-free",

@@ -5,29 +5,6 @@
 // Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
 // feels a force, at the opening, after a replug and in breaks.
 
-namespace {
-
-/// Presses what goes on at each screen until `name` is shown, or the program has ended.
-void press_up_to(XHand& hand, TypedTo& run, const std::string& name) {
-    CHECK(eventually([&] {
-        const bool there =
-            hand.find_window("palpate: ").title == "palpate: " + name || !run.program().running();
-        if (!there) {
-            press_on(hand);
-        }
-        return there;
-    }));
-}
-
-/// Of a session that counts, although the board is emulated.
-std::string real_words(const TemporaryFolder& folder,
-                       const FreeBoard& board,
-                       const std::string& rig) {
-    return ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
-}
-
-}  // namespace
-
 TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
     "[commission][haply][window][law]") {

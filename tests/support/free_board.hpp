@@ -162,6 +162,25 @@ inline std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
     return typed;
 }
 
+/// Presses what goes on at each screen until `name` is shown, or the program has ended.
+inline void press_up_to(XHand& hand, TypedTo& run, const std::string& name) {
+    CHECK(eventually([&] {
+        const bool there =
+            hand.find_window("palpate: ").title == "palpate: " + name || !run.program().running();
+        if (!there) {
+            press_on(hand);
+        }
+        return there;
+    }));
+}
+
+/// Of a session that counts, although the board is emulated.
+inline std::string real_words(const TemporaryFolder& folder,
+                              const FreeBoard& board,
+                              const std::string& rig) {
+    return ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
+}
+
 /// By the experimenter, at the window.
 inline void end_session(XHand& hand, TypedTo& run) {
     for (int i = 0; i < 40 && run.program().running(); ++i) {

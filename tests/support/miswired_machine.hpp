@@ -178,7 +178,7 @@ public:
         home_ = handle_.angles();
     }
 
-    void bring(const engine::Vec2& place) { handle_.bring(place); }
+    void bring(const engine::Vec2& place) { handle_.put(place); }
     /// Somebody changes plugs.
     void connect(const engine::Connection& encoders, const engine::Connection& motors) {
         encoders_ = encoders;

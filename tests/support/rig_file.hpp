@@ -13,10 +13,12 @@ namespace palpate::tests {
 /// clock.
 /// @param device       the word for --device
 /// @param calibration  a shipped machine's name or a file
+/// @param board        id of an open board
 /// @return the file, for --calibration
 inline std::string commissioned_rig(const TemporaryFolder& folder,
                                     const std::string& device,
-                                    const std::string& calibration = "2diy_gen3") {
+                                    const std::string& calibration = "2diy_gen3",
+                                    std::uint32_t board = 0) {
     engine::Calibration machine = protocols::load_calibration(calibration);
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
@@ -33,6 +35,9 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
     }
     machine.pantograph.damping = done.record.damping;
     done.record.device = device;
+    if (device.starts_with("board:")) {
+        done.record.board = board;
+    }
     done.record.calibration = protocols::calibration_id(machine);
     done.record.program = PALPATE_VERSION;
     std::ofstream(folder.file("rig.toml")) << protocols::to_toml(machine, done.record);

@@ -210,12 +210,25 @@ void require_same_rig(const CommissionOptions& options) {
     }
 }
 
+/// The same of boards that say which one they are, at one port.
+void require_same_board(const CommissionOptions& options, const std::string& identity) {
+    const auto there = record_in(options.output);
+    const auto now = engine::board_id(identity);
+    refuse_if(there && there->board && there->board != now,
+              "{} is the record of the board with the id {}, and this is {}: give another file to "
+              "write",
+              options.output, there ? there->board.value_or(0) : 0,
+              now ? fmt::format("the one with the id {}", *now) : "another device");
+}
+
 void write_rig(const CommissionOptions& options,
                engine::Calibration& machine,
+               std::optional<std::uint32_t> board,
                engine::RigRecord& record) {
     (machine.gantry ? machine.gantry->damping : machine.pantograph.damping) = record.damping;
     record.device = options.device;
     record.program = PALPATE_VERSION;
+    record.board = board;
     record.calibration = protocols::calibration_id(machine);
     print_found(record, machine.gantry.has_value());
     write_whole(options.output, protocols::to_toml(machine, record));
@@ -236,6 +249,7 @@ int run(const CommissionOptions& options) {
     require_same_rig(options);
     catch_signals();
     Rig rig = open_rig(options, machine);
+    require_same_board(options, rig.device->identity());
     say("{}: {} with the numbers of {}; the handle is free\n", options.output, rig.device->name(),
         machine.name());
     engine::CommissioningResult done;
@@ -252,7 +266,7 @@ int run(const CommissionOptions& options) {
     }
     refuse_if<std::runtime_error>(!done.refused.empty(),
                                   "{}. The motors are off and nothing was written", done.refused);
-    write_rig(options, machine, done.record);
+    write_rig(options, machine, engine::board_id(rig.device->identity()), done.record);
     return 0;
 }
 

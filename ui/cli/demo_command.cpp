@@ -62,6 +62,7 @@ RigSpec rig_of(const DemoOptions& options) {
     spec.study = emulated ? ten_trials_of(load_study(kHaplyProtocol)) : load_study(kProtocol);
     spec.screen = options.screen;
     spec.watch_only = true;
+    spec.another = spec.new_version = true;  // nobody is run
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = kWindowSpeed;
     }

@@ -11,7 +11,6 @@
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/device_choice.hpp"
@@ -20,6 +19,8 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/admission.hpp"
+#include "ui/session/begin_session.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
 #include "ui/session/session_choice.hpp"
@@ -39,13 +40,11 @@ struct RunOptions {
     std::string kind;  ///< pilot, real; empty: what the device is
     std::optional<std::size_t> session;
     bool elsewhere = false;  ///< the sessions before that one are in another file
-    bool another = false;    ///< somebody new, although a code in the file is much like this one
     std::optional<std::uint64_t> seed;
     std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
-    bool new_version = false;  ///< the protocol was changed on purpose
-    std::string stop_button;   ///< a device of evdev; empty: the rig has none
-    RigSpec rig{};             ///< what words say of it as it is
+    std::string stop_button;  ///< a device of evdev; empty: the rig has none
+    RigSpec rig{};            ///< what words say of it as it is
 };
 
 /// Of what a person holds. Without force it is a try, unless the study is about the pointer.
@@ -68,6 +67,7 @@ data::RunKind kind_by_hand(const RunOptions& options,
 
 data::RunKind kind_of(const RunOptions& options,
                       const DeviceChoice& device,
+                      const Behind& there,
                       const protocols::Protocol& protocol) {
     const bool person = wants_window(options.rig.screen);
     refuse_if(held_by_a_person(device.kind) && !person,
@@ -81,7 +81,7 @@ data::RunKind kind_of(const RunOptions& options,
         }
         return data::RunKind::simulated;
     }
-    const Behind board = options.kind.empty() ? behind(device) : Behind{};
+    const Behind board = options.kind.empty() ? there : Behind{};
     if (board.emulator) {
         warn(
             "behind --device {} is palpate haply-emulator, process {}: the session is recorded as "
@@ -102,63 +102,6 @@ void check_device(const RunOptions& options, const RigSpec& spec) {
               "this protocol asks for the device \"{}\", and --device is {}: use that device, or "
               "run it with --kind pilot",
               protocols::word_of(asked), options.device);
-}
-
-/// What is noted of the participant; none: nobody of that code is known.
-using Person = std::optional<data::Participant>;
-
-/// Of a real session without a noted consent: said, or refused where the protocol demands it; who
-/// is noted as not consenting is never run.
-void check_consent(const Person& person, const RunOptions& options, const RigSpec& spec) {
-    if (spec.kind != data::RunKind::real) {
-        return;
-    }
-    if (person && person->notes.consent == true) {
-        return;
-    }
-    refuse_if(person && person->notes.consent == false,
-              "{0} is noted as not consenting: nothing real is run with them; if they have changed "
-              "their mind, palpate participant {1} {0} --consent yes notes it",
-              options.participant, options.database);
-    const auto text = [&](const char* registers) {
-        return fmt::format(
-            "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
-            options.participant, options.database, registers);
-    };
-    refuse_if(spec.study.protocol.consent_required, "{}, and this protocol demands it",
-              text(person ? "" : " --new"));
-    warn("{}", text(""));  // the session that begins now registers them
-}
-
-/// Of a real session with somebody of another handedness than the protocol asks for: refused where
-/// the noted score is on the other side, said where it is weak or unknown.
-void check_handedness(const Person& person, const RunOptions& options, const RigSpec& spec) {
-    constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
-    const protocols::Handedness asked = spec.study.protocol.handedness;
-    if (spec.kind != data::RunKind::real || asked == protocols::Handedness::any) {
-        return;
-    }
-    const std::string_view word = protocols::word_of(asked);
-    if (!person || !person->notes.handedness) {
-        warn(
-            "this protocol asks for handedness \"{2}\", and that of {0} is not noted; palpate "
-            "participant {1} {0} --handedness SCORE notes it (-100 left to 100 right)",
-            options.participant, options.database, word);
-        return;
-    }
-    const std::int64_t score = *person->notes.handedness;
-    const std::int64_t towards = asked == protocols::Handedness::right ? score : -score;
-    refuse_if(towards < 0,
-              "this protocol asks for handedness \"{}\", and {} has a score of {} (-100 left to "
-              "100 right): ask somebody else, correct the score by palpate participant, or run it "
-              "with --kind pilot",
-              word, options.participant, score);
-    if (towards < kClearly) {
-        warn(
-            "this protocol asks for handedness \"{}\", and {} has a score of {}, which is neither "
-            "clearly right nor clearly left",
-            word, options.participant, score);
-    }
 }
 
 /// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig.
@@ -201,7 +144,7 @@ void declare(CommandWords& words, RunOptions& options) {
     words.add("--elsewhere", options.elsewhere,
               "The sessions before that number are in another file; which order of pictures they "
               "had is not known here");
-    words.add("--another", options.another,
+    words.add("--another", options.rig.another,
               "The participant is somebody new, although a code in the file is much like it");
     words.add("--seed", options.seed, "Study seed instead of the protocol's");
     words.add("--secret", options.secret,
@@ -216,7 +159,7 @@ void declare(CommandWords& words, RunOptions& options) {
              "block, or with the practice; answers of what is begun again do not count")
         .among({data::kResumeWords.begin(), data::kResumeWords.end()})
         .with_default();
-    words.add("--new-version", options.new_version,
+    words.add("--new-version", options.rig.new_version,
               "The protocol was changed on purpose since the last person of this file ran it; "
               "analyses keep its versions apart");
     words.add("--other-device", options.rig.other_device,
@@ -243,6 +186,7 @@ void declare(CommandWords& words, RunOptions& options) {
 /// All that can be refused before a file is made or a device is touched, refused.
 RigSpec rig_spec(const RunOptions& options) {
     RigSpec spec = options.rig;
+    spec.key.participant = options.participant;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
     spec.rig = rig_file_of(spec.device, options.calibration);
@@ -251,7 +195,8 @@ RigSpec rig_spec(const RunOptions& options) {
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
     spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
     spec.go_on = go_on_command(options.words);
-    spec.kind = kind_of(options, spec.device, spec.study.protocol);
+    spec.behind = behind(spec.device);
+    spec.kind = kind_of(options, spec.device, *spec.behind, spec.study.protocol);
     check_device(options, spec);
     check_record(spec, options.device, options.calibration);
     check_number(options, spec.study.protocol.id);
@@ -286,9 +231,6 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
         return check_goes_on(database, spec);
     }
     check_space(options, spec.study);
-    if (!options.new_version) {
-        check_version(database, spec.study, spec.kind);
-    }
 }
 
 /// What the experimenter reads at the end, and the code of the program's exit.
@@ -327,22 +269,18 @@ int run(const RunOptions& options) {
     std::optional<OpenedApparatus> felt;
     const bool fresh = !std::filesystem::exists(options.database, unknown);
     if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
-        check_consent({}, options, spec);
-        check_handedness({}, options, spec);
+        spec.said = admit(nullptr, options.database, spec);
         require_writable(options.database, "");
         check_space(options, spec.study);
         felt = open_and_check(spec);
     }
     data::Database database(options.database, data::Access::write);
-    check_known(database, options.participant, options.another);
     if (options.secret) {
         data::set_secret(database, *options.secret);
     }
     choose(database, options, spec);
     if (!felt) {
-        const Person person = data::find_participant(database, options.participant);
-        check_consent(person, options, spec);
-        check_handedness(person, options, spec);
+        spec.said = admit(&database, options.database, spec);
     }
     return say_end(run_rig(database, spec, std::move(felt)), options, spec);
 }

@@ -193,4 +193,30 @@ Behind behind(const DeviceChoice& choice) {
     return {.unseen = !words.empty() && !seen};
 }
 
+std::string other_behind(const DeviceChoice& choice, const Behind& before) {
+    constexpr const char* kRemedy =
+        "put back what the session was begun with, or end it: the command that goes on asks what "
+        "it is";
+    const Behind now = behind(choice);
+    const std::string port =
+        fmt::format("--device {}:{}", choice.kind == Kind::haply ? "haply" : "board", choice.file);
+    if (now.unseen && !before.unseen) {
+        return fmt::format(
+            "behind {} is now a program that this user cannot see, and it may be an emulator: {}",
+            port, kRemedy);
+    }
+    if (now.emulator && !before.emulator) {
+        return fmt::format(
+            "behind {} is now palpate haply-emulator, process {}, and the session was begun on "
+            "something else: {}",
+            port, *now.emulator, kRemedy);
+    }
+    return now.emulator || !before.emulator
+             ? std::string()
+             : fmt::format(
+                   "behind {} is no longer palpate haply-emulator, with which the session was "
+                   "begun, and nobody proved what is there: {}",
+                   port, kRemedy);
+}
+
 }  // namespace palpate::ui

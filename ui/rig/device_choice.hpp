@@ -79,4 +79,10 @@ struct Behind {
 /// to hold it (the program of another user, or of a container), it is unseen.
 [[nodiscard]] Behind behind(const DeviceChoice& choice);
 
+/// The same asked again, of a device that began anew.
+/// @param before  when the session's kind was chosen by it
+/// @return why the session may not go on with what is there now, a sentence with the remedy; empty:
+/// it is of the same sort
+[[nodiscard]] std::string other_behind(const DeviceChoice& choice, const Behind& before);
+
 }  // namespace palpate::ui

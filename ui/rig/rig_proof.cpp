@@ -253,6 +253,19 @@ std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button) {
         StopLines::Acts{.stop = [](const char*) { interrupt(); }, .pipes = false});
 }
 
+void check_board(const engine::Device& device, const engine::RigRecord& record) {
+    const auto said = [](std::optional<std::uint32_t> id) {
+        return id ? fmt::format("the board with the id {}", *id)
+                  : std::string("a device that says no id");
+    };
+    const auto now = engine::board_id(device.identity());
+    refuse_if<std::runtime_error>(
+        now != record.board,
+        "{} was commissioned with {}, and this is {}: plug that one in, or commission this one. No "
+        "session was begun",
+        device.name(), said(record.board), said(now));
+}
+
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
     const std::string text = fmt::format(
         "Nobody may hold the handle now: weak pulses will move it by some mm, and Escape here "

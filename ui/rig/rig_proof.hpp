@@ -49,6 +49,10 @@ struct StopDuringPulses {};
 /// the rig's button do what a signal does. @param button  none: there is no button
 [[nodiscard]] std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button);
 
+/// After the device was opened: it is the board that was commissioned, where it says which one it
+/// is. @throws std::runtime_error with both, and the remedy
+void check_board(const engine::Device& device, const engine::RigRecord& record);
+
 /// Before the device is opened: the handle has to be free, and at home, which the device takes its
 /// pose for: asks until "yes" is typed.
 /// @param beforehand  it was said by a word of the command: nobody is asked

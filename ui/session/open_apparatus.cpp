@@ -71,13 +71,20 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
         ask_for_home(calibration, spec.handle_free);
     }
     auto device = open_device(spec.device, calibration, period);
+    const auto other = [choice = spec.device, behind = spec.behind] {
+        return behind ? other_behind(choice, *behind) : std::string();
+    };
+    const std::string why = other();  // since the question
+    refuse_if<std::runtime_error>(!why.empty(), "{}", why);
     if (record) {
+        check_board(*device, *record);
         opening = prove_opening(*device, calibration, *record, period, spec.handle_free,
                                 spec.stop_button);
     }
     auto apparatus = std::make_unique<protocols::DeviceApparatus>(
         protocol, std::move(device), spec.spin_share,
         unproved(spec) ? protocols::kUnprovedForce : std::numeric_limits<double>::infinity());
+    apparatus->ask_by(other);
     if (record) {
         apparatus->prove_by(proof_between_trials(
             calibration, *record, period,

@@ -34,19 +34,23 @@ struct RigSpec {
     std::uint64_t seed = 0;
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
-    protocols::HandSpec hand{};  ///< of a simulated hand
-    protocols::RigFile rig{};    ///< of rig_file_of(); with a record it is proved when it is opened
+    std::optional<Behind> behind{};  ///< when `kind` was chosen; none: nobody asked
+    protocols::HandSpec hand{};      ///< of a simulated hand
+    protocols::RigFile rig{};  ///< of rig_file_of(); with a record it is proved when it is opened
     bool handle_free =
         false;  ///< the operator's word that it is, and at home, was given beforehand
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
     data::Resume resume = data::Resume::go_on;
     bool other_device = false;  ///< it goes on also on another device than its last trial had
-    std::string operator_name;  ///< kept with the session; empty: not given
-    bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
-    bool console = false;       ///< palpate console runs beside it
-    double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
-    std::string go_on;          ///< the command that resumes it; empty: nobody hears it
+    bool another = false;       ///< somebody new, although a code in the file is much like theirs
+    bool new_version = false;   ///< the protocol was changed on purpose
+    std::vector<std::string> said{};  ///< of admit(), before the rig's questions
+    std::string operator_name;        ///< kept with the session; empty: not given
+    bool durable = false;             ///< ticks are saved within 45 ms instead of 120 ms
+    bool console = false;             ///< palpate console runs beside it
+    double spin_share = 0.0;          ///< of real devices, see engine::ServoSpec
+    std::string go_on;                ///< the command that resumes it; empty: nobody hears it
     std::shared_ptr<StopButton> stop_button{};  ///< of the rig; none: it has none
     bool watch_only =
         false;  ///< in a window the simulated observer answers, and people watch (demo)

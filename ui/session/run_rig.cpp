@@ -27,9 +27,8 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/provenance.hpp"
+#include "ui/session/begin_session.hpp"
 #include "ui/session/rig_parts.hpp"
-#include "ui/session/session_choice.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
 
@@ -162,34 +161,6 @@ void check_findings(const OpenedApparatus& felt) {
     }
 }
 
-/// All but the plan, which the file decides, and what only an opened device says.
-data::SessionSpec session_of(const RigSpec& spec) {
-    const data::TrialDevice device = felt_on(spec);
-    return {.protocol = spec.study.protocol,
-            .protocol_hash = spec.study.hash,
-            .plan = {},
-            .key = spec.key,
-            .seed = spec.seed,
-            .kind = spec.kind,
-            .device = device.name,
-            .resume = spec.resume,
-            .operator_name = spec.operator_name,
-            .provenance = {{std::string(data::kCalibrationHashKey), device.calibration}},
-            .other_device = spec.other_device};
-}
-
-data::SessionSpec session_of(const RigSpec& spec, const OpenedApparatus& felt) {
-    data::SessionSpec session = session_of(spec);
-    session.device = felt.port->device_name();
-    session.provenance = provenance(spec.study.protocol);
-    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
-                              felt.provenance.end());
-    if (spec.stop_button) {
-        session.provenance.emplace_back("stop button", spec.stop_button->file());
-    }
-    return session;
-}
-
 std::string how_it_ended(const protocols::SessionEnd& end) {
     return end.why == protocols::SessionEnd::Why::finished ? "finished"
          : end.why == protocols::SessionEnd::Why::aborted  ? "ended early"
@@ -312,12 +283,6 @@ void serve_page(const RigSpec& spec, LiveSession& live) {
 
 }  // namespace
 
-void check_goes_on(data::Database& database, RigSpec& spec) {
-    data::SessionSpec session = session_of(spec);
-    check_goes_on(database, session);
-    spec.other_device = session.other_device;
-}
-
 OpenedApparatus open_and_check(const RigSpec& spec) {
     OpenedApparatus felt = open_apparatus(spec);
     check_findings(felt);
@@ -334,8 +299,8 @@ RigEnd run_rig(data::Database& database,
     const RunningRig rig{spec, *felt.port, desk, live};
     Observers observers = observers_before_the_plan(rig);
     const OpenedMasking masking = open_masking(spec);
-    data::SessionSpec session = session_of(spec, felt);
-    const data::OpenedSession opened = data::plan_and_open_session(database, session);
+    data::SessionSpec session;
+    const data::OpenedSession opened = begin_session(database, spec, felt, session);
     add_simulated_observer(observers, rig, session.plan);
     print_start(spec, session.plan, opened, *felt.port);
     if (opened.finished) {

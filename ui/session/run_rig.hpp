@@ -18,9 +18,6 @@ struct RigEnd {
     bool broken = false;  ///< some link of it did not hold before this run
 };
 
-/// As check_goes_on() of the session that `spec` would go on with.
-void check_goes_on(data::Database& database, RigSpec& spec);
-
 /// Opens what the session is felt on, and says what should be known of it. Before windows, as
 /// open_apparatus().
 /// @throws as that; std::invalid_argument for what nobody should hold

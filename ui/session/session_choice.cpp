@@ -32,17 +32,6 @@ void check_known(data::Database& database, const std::string& id, bool insists) 
               database.file(), id, other.value_or(""));
 }
 
-void check_version(data::Database& database, const Study& study, data::RunKind kind) {
-    const auto other = data::other_version(database, study.protocol.id, study.hash, kind);
-    if (other) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {} of this file ran another version of {}: {}; run that version, use another "
-            "file, or give --new-version as well if it is meant: analyses keep versions apart",
-            database.file(), counted(other->people, "person", "people"), study.protocol.id,
-            protocols::differences_text(other->protocol_toml, protocols::to_toml(study.protocol))));
-    }
-}
-
 SessionChoice choose_session(data::Database& database,
                              const Study& study,
                              const std::string& participant,

@@ -19,10 +19,6 @@ void check_participant(const std::string& id, std::string_view word = "--partici
 /// @throws std::invalid_argument with both codes, and how to insist
 void check_known(data::Database& database, const std::string& id, bool insists);
 
-/// Of a session that is not begun: whoever was last ran another version of the protocol.
-/// @throws std::invalid_argument with what differs, key by key, and how to insist
-void check_version(data::Database& database, const Study& study, data::RunKind kind);
-
 /// Which session of which seed is meant.
 struct SessionChoice {
     protocols::SessionKey key;

@@ -12,13 +12,13 @@ void GlidingHand::set_off() noexcept {
     time_ = 0.0;
 }
 
-bool GlidingHand::glide(const JointAngles& to) noexcept {
-    const double t = std::fmin(time_ / kGlide, 1.0);
+bool GlidingHand::glide(const JointAngles& to, double seconds) noexcept {
+    const double t = std::fmin(time_ / seconds, 1.0);
     const double share = t * t * (3.0 - 2.0 * t);
     for (std::size_t i = 0; i < 2; ++i) {
         angles_[i] = from_[i] + share * (to[i] - from_[i]);
     }
-    return time_ >= kGlide;
+    return time_ >= seconds;
 }
 
 Vec2 GlidingHand::place_of(const Pantograph& machine, const JointAngles& angles) noexcept {
@@ -109,20 +109,17 @@ SurfaceExploration round_from(const GantrySpec& machine) {
 
 FreeHandle::FreeHandle(const PlantModel& plant, const Vec2& place)
     : plant_(nobody_holds(plant)), stroke_(somebody_holds(plant)), machine_(plant.machine) {
-    let_go(place);
+    put(place);
 }
 
 void FreeHandle::bring(const Vec2& place) {
-    if (act_ == Act::free) {
-        return let_go(place);
-    }
     stroke_.begin({.start = place, .tremor = 0.0});  // refuses what cannot be reached
     aim_ = stroke_.angles();
     place_ = place;
     turn_to(Act::brings);
 }
 
-void FreeHandle::let_go(const Vec2& place) {
+void FreeHandle::put(const Vec2& place) {
     plant_.begin({.start = place, .tremor = 0.0});
     plant_.set_torque(torque_);
     angles_ = plant_.angles();
@@ -133,7 +130,7 @@ void FreeHandle::hold(bool held) {
     if (held) {
         turn_to(Act::held);
     } else if (act_ != Act::free) {
-        let_go(place_of(machine_, angles_));
+        put(place_of(machine_, angles_));
     }
 }
 
@@ -165,8 +162,8 @@ void FreeHandle::advance(double seconds) noexcept {
         case Act::held:
             break;
         case Act::brings:
-            if (glide(aim_)) {
-                let_go(place_);
+            if (glide(aim_, kBring)) {
+                put(place_);
             }
             break;
         case Act::comes:

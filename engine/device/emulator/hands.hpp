@@ -27,7 +27,7 @@ protected:
     /// A new act begins here and now.
     void set_off() noexcept;
     /// At rest at both ends. @return it is there
-    bool glide(const JointAngles& to) noexcept;
+    bool glide(const JointAngles& to, double seconds = kGlide) noexcept;
     /// Where the handle truly is, object frame, m; (0, 0) where its angles are of no pose.
     [[nodiscard]] static Vec2 place_of(const Pantograph& machine,
                                        const JointAngles& angles) noexcept;
@@ -86,9 +86,13 @@ public:
     /// At rest at `place`. @throws std::invalid_argument if it is out of reach
     FreeHandle(const PlantModel& plant, const Vec2& place);
 
-    /// Somebody brings it there and lets go; a hand that holds it does so on a way without a jump.
+    static constexpr double kBring = 0.4;  ///< s of a hand that brings it somewhere
+
+    /// Somebody brings it there, on a way without a jump, and lets go.
     /// @throws std::invalid_argument if it is out of reach
     void bring(const Vec2& place);
+    /// The same at once: it lies there. For who watches no way.
+    void put(const Vec2& place);
     [[nodiscard]] bool on_its_way() const noexcept { return act_ == Act::brings; }
     /// From now on a hand holds it where it is, or nobody does.
     void hold(bool held);
@@ -109,7 +113,6 @@ public:
 private:
     enum class Act : std::uint8_t { free, held, brings, comes, rests, strokes };
 
-    void let_go(const Vec2& place);
     void turn_to(Act act) noexcept;
 
     PantographPlant plant_;   ///< nobody's
