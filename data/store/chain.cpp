@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "protocols/session/progress.hpp"
 #include "data/schema/catalogue.hpp"
@@ -357,6 +358,10 @@ std::string kept_head(Database& database, std::int64_t session, std::size_t brea
         }
     } catch (const StoreError& e) {
         why = e.what();
+        refuse_if<StoreError>(why.find("unable to open") != std::string::npos,
+                              "{}: what was recorded could not be looked at again ({}): palpate "
+                              "verify says whether it is there",
+                              database.file(), why);
     }
     throw StoreError(fmt::format(
         "{}: something wrote over it while it was in use ({}): what was recorded may not be there; "

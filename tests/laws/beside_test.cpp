@@ -143,3 +143,18 @@ TEST_CASE("rows deleted by hand are said in a sentence where new ones take their
     CHECK_THAT(end.error, Has("rows were changed or deleted by hand", "palpate verify"));
     CHECK_THAT(end.error, !Has("INSERT"));
 }
+
+TEST_CASE("where too few files may be open nobody is said to have written over one",
+          "[crash][law]") {
+    std::string said;
+    for (const char* files : {"10", "11", "12", "13"}) {
+        const TemporaryFolder folder;
+        const Finished end = Process(joined({"sh", "-c", "ulimit -n $0; exec \"$@\"", files},
+                                            command_of(words(folder.file("d.sqlite")))),
+                                     kNoDisplay)
+                                 .wait();
+        CHECK_THAT(end.error, !Has("something wrote over it"));
+        said += end.error;
+    }
+    CHECK_THAT(said, Has("could not be looked at again"));
+}
