@@ -35,7 +35,7 @@ TEST_CASE("an episode is one coming into contact of soft objects too, and no fre
         CHECK(trial[1] == trial[2]);
         CHECK(trial[3] == "0");
         CHECK(std::stod(trial[4]) <= 1e-12);
-        again += trial[0] == "convex" && trial[2] != "1" ? 1 : 0;
+        again += trial[0] == "convex" && trial[2] != "1" ? 1U : 0U;
     }
     CHECK(again > 0);  // the soft one is touched more than once
     CHECK_THAT(ran({"verify", db}).out, Has("ticks replayed, nothing differs"));
