@@ -281,15 +281,8 @@ private:
         walk_.met_corner = true;
         const ConeState after = cone(seam.point, seam.tangent_out);
         const ConeState before = cone(seam.point, seam.tangent_in);
-        // In a groove sharper than the friction angle, one side alone may carry what pulls off the
-        // other.
-        const auto carries = [](const ConeState& side) {
-            return HasFriction && side.nu > 0.0 && side.excess <= 0.0;
-        };
-        const bool drives_on =
-            after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0 && !carries(before);
-        const bool drives_back =
-            before.tau < 0.0 && before.excess > 0.0 && direction_ <= 0.0 && !carries(after);
+        const bool drives_on = after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0;
+        const bool drives_back = before.tau < 0.0 && before.excess > 0.0 && direction_ <= 0.0;
         if ((drives_on || drives_back) && used_ < budget_) {
             direction_ = drives_on ? 1.0 : -1.0;
             leave(seam, direction_);
@@ -305,7 +298,7 @@ private:
     void settle_corner(const Seam& seam, const ConeState& before, const ConeState& after) noexcept {
         go_.place.parameter = 0.0;
         walk_.in_corner = true;
-        if (after.tau >= 0.0 && !(before.tau <= 0.0 && before.nu > after.nu)) {
+        if (after.tau >= 0.0) {
             settle_at(after);
         } else if (before.tau <= 0.0) {
             settle_at(before);
