@@ -39,7 +39,7 @@ const Meanwhile kMeanwhile[]{
 }  // namespace
 
 TEST_CASE("what is noted or run while the rig's questions wait is asked for as the session begins",
-          "[commission][consent][law]") {
+          "[commission][haply][consent][law]") {
     const Meanwhile& one = GENERATE(from_range(std::begin(kMeanwhile), std::end(kMeanwhile)));
     CAPTURE(one.name);
     const TemporaryFolder folder;

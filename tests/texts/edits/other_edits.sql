@@ -2,7 +2,7 @@ INSERT INTO trial (device, trial_id, session_id, plan_position, attempt, outcome
 INSERT INTO session_provenance VALUES (1, 'zz', 'x')
 INSERT INTO picture VALUES (2, 0, 'straight')
 INSERT INTO plan SELECT session_id, 90, phase, planned_object, friction, mu_s, mu_d, break_before, block, curvature_per_m FROM plan WHERE session_id = 1 AND plan_position = 3
-INSERT INTO adaptive_step SELECT 2, rule_outcome, estimate, estimates, state_sha256 FROM adaptive_step LIMIT 1
+INSERT INTO adaptive_step SELECT 2, rule_outcome, staircase, estimate, estimates, state_sha256 FROM adaptive_step LIMIT 1
 INSERT INTO trace_chunk SELECT trial_id, 2, first_tick, ticks, codec, period_ns, holds, crc32, derived, data FROM trace_chunk WHERE trial_id = 2
 DELETE FROM event WHERE event_id = (SELECT min(event_id) FROM event)
 DELETE FROM presentation WHERE trial_id = 2
