@@ -269,7 +269,8 @@ TEST_CASE(
         "event_id)");
     CHECK_THAT(row.text(0),
                StartsWith("start pose; rig check; fault device_lost; ") &&
-                   Has("reconnect anew; start pose; rig check refused; rig check; go on "
+                   Has("reconnect anew; start pose; rig check refused; rig check; start pose; rig "
+                       "check; go on "
                        "device_lost; ",
                        "reconnect anew; start pose; rig check; go on rig check; ") &&
                    EndsWith("fault device_lost; reconnect anew; start pose; rig check; "
