@@ -127,8 +127,8 @@ struct Profile {
         return loss_of(found);
     }
 
-    /// A climb may end on a lower hill: the highest of all. Where a sigma is next to nothing, criteria
-    /// have to go along with a shift.
+    /// A climb may end on a lower hill: the highest of all. Where a sigma is next to nothing,
+    /// criteria have to go along with a shift.
     Maximum from_everywhere(double place, Maximum best) const {
         const auto try_from = [&](Parameters start) {
             start[parameter] = place;

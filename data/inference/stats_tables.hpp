@@ -12,8 +12,8 @@ namespace palpate::data {
 /// "on - off": a friction against the first.
 [[nodiscard]] std::string comparison_text(const StatsReport& report, std::size_t friction);
 
-/// The test that the protocol's `primary` names, a row a friction but the first: what text, JSON and
-/// page say of it. Without rows where no protocol says which (a CSV's trials).
+/// The test that the protocol's `primary` names, a row a friction but the first: what text, JSON
+/// and page say of it. Without rows where no protocol says which (a CSV's trials).
 [[nodiscard]] Table primary_table(const StatsReport& report, const StatsPart& part);
 /// Its name, with what its estimate is in.
 [[nodiscard]] std::string primary_title(const StatsReport& report);

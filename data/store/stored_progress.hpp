@@ -97,8 +97,8 @@ struct TrialDevice {
 /// Of the last trial; none: there is no trial.
 [[nodiscard]] std::optional<TrialDevice> last_device(Database& database, std::int64_t session);
 
-/// What the board said of itself as the last trial began (protocols::kBoard); empty: it says nothing,
-/// or there is no trial.
+/// What the board said of itself as the last trial began (protocols::kBoard); empty: it says
+/// nothing, or there is no trial.
 [[nodiscard]] std::string last_board(Database& database, std::int64_t session);
 
 /// Whatever the port is called at which it is plugged in today.

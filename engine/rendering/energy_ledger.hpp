@@ -17,10 +17,10 @@ namespace palpate::engine {
 ///     balance = work - leak <= 0                       from E = K/2 |GO - HIP|^2, which it never
 ///     raises
 ///
-/// to rounding, whatever the path and mu(t). An object that yields keeps energy between episodes and
-/// gives back in one what another left there: their balances add up, from its rest at the first of
-/// them on, and the sum at the end of each is at most 0. What is above 0 was made by something else:
-/// the vertex slew's cap, a damper with B < 0, a defect.
+/// to rounding, whatever the path and mu(t). An object that yields keeps energy between episodes
+/// and gives back in one what another left there: their balances add up, from its rest at the first
+/// of them on, and the sum at the end of each is at most 0. What is above 0 was made by something
+/// else: the vertex slew's cap, a damper with B < 0, a defect.
 template <int D>
 class EnergyLedger {
 public:

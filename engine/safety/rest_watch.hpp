@@ -14,8 +14,8 @@ struct RestWatch {
 
 /// What a trial would trip on: between trials, too, an encoder that skips leaves every later place
 /// shifted. The way begins at the first fresh reading, wherever the hand is by then.
-/// @param from_ns, to_ns  before and after it was read. Where that took more than two periods nobody
-///        knows when it was read: the way begins anew
+/// @param from_ns, to_ns  before and after it was read; more than two periods apart nobody knows
+///                        when it was read: the way begins anew
 /// @return Trip::jump, Trip::over_speed or none
 [[nodiscard]] Trip watch_rest(RestWatch& watch,
                               const SafetyLimits& limits,

@@ -30,8 +30,8 @@ inline constexpr double kSameEnd = 1e-9;
 /// From the end of the last curve to the start of the first, m. @pre at least one
 [[nodiscard]] double closing_gap(const std::vector<engine::NurbsCurve<2>>& curves);
 
-/// The path of the table of which a sentence of engine::Outline speaks, "segment 2 starts ...": that
-/// of the first where it names none. @param around  path of the table that has them, or empty
+/// The path of the table of which a sentence of engine::Outline speaks, "segment 2 starts ...":
+/// that of the first where it names none. @param around  path of the table that has them, or empty
 [[nodiscard]] std::string spoken_segment(std::string_view sentence, std::string_view around = {});
 
 /// A scene's chain of curves is closed or clearly open, and does not meet itself; else
