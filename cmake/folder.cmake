@@ -1,7 +1,8 @@
-# Several files of a target compiled as one: half of what a file costs is what its neighbours say as well. A file's
-# batch comes from its name, and a new file moves no other into another's batch; names in the anonymous namespaces of a
-# batch differ. Builds for developers compile every file alone, so that none lives on another's includes.
-function(palpate_in_batches target)
+# Several files of a target compiled as one, no more than `limit`: half of what a file costs is what its neighbours say
+# as well. A file's batch comes from its name, and a new file moves no other into another's batch; names in the
+# anonymous namespaces of a batch differ. Builds for developers compile every file alone, so that none lives on
+# another's includes.
+function(palpate_in_batches target limit)
     if(NOT PALPATE_BATCHES)
         return()
     endif()
@@ -9,7 +10,7 @@ function(palpate_in_batches target)
     list(FILTER sources EXCLUDE REGEX "TARGET_OBJECTS|^/")
     list(LENGTH sources count)
     set(batches 1)
-    while(count GREATER 12)
+    while(count GREATER limit)
         math(EXPR batches "2 * ${batches}")
         math(EXPR count "(${count} + 1) / 2")
     endwhile()
@@ -58,39 +59,54 @@ function(palpate_folder folder)
     list(TRANSFORM arg_SOURCES PREPEND ${folder}/)
     list(TRANSFORM arg_MUTATED PREPEND ${folder}/)
     list(TRANSFORM arg_TICKED PREPEND ${folder}/)
-    set_source_files_properties(${arg_TICKED} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
     set_source_files_properties(${arg_MUTATED} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    add_library(palpate_${name} OBJECT ${arg_SOURCES})
+    set(parts ${name})
+    if(arg_TICKED)
+        list(REMOVE_ITEM arg_SOURCES ${arg_TICKED})
+        palpate_part(${name}_ticked "" "${arg_TICKED}")
+        list(APPEND parts ${name}_ticked)
+    endif()
+    palpate_part(${name} "${arg_PLAIN}" "${arg_SOURCES}")
     add_library(palpate::${name} ALIAS palpate_${name})
-    target_link_libraries(palpate_${name}
-        PUBLIC palpate::${room}_left ${seen} PRIVATE ${arg_LINK} palpate::warnings)
-    if(arg_PLAIN)
-        target_compile_options(palpate_${name} PRIVATE $<$<CONFIG:Release>:-Og>)
+    foreach(part ${parts})
+        target_link_libraries(palpate_${part}
+            PUBLIC palpate::${room}_left ${seen} PRIVATE ${arg_LINK} palpate::warnings)
+        if(arg_PACED AND PALPATE_SANITIZE)
+            target_compile_options(palpate_${part} PRIVATE -O2)
+        endif()
+        if(arg_ALONE)
+            # No stranger's bytes come here. (The macro is of the flags that the precompiled header was made with.)
+            if(NOT PALPATE_SANITIZE)
+                target_compile_options(palpate_${part} PRIVATE -fno-stack-protector -D__SSP_STRONG__=3)
+            endif()
+        else()
+            palpate_in_batches(palpate_${part} 24)
+        endif()
+        set_property(GLOBAL APPEND PROPERTY palpate_${room}_objects $<TARGET_OBJECTS:palpate_${part}>)
+    endforeach()
+    set_property(GLOBAL APPEND PROPERTY palpate_${room}_libraries ${arg_LINK})
+endfunction()
+
+# Files of a folder that are optimised alike. What most files include is parsed once for those that are optimised and
+# once for the plain ones: g++ 12 optimises what stands behind a precompiled header as it did the header itself.
+function(palpate_part name plain sources)
+    add_library(palpate_${name} OBJECT ${sources})
+    set(headers palpate_headers)
+    if(plain AND CMAKE_BUILD_TYPE STREQUAL "Release")
+        target_compile_options(palpate_${name} PRIVATE -Og)
+        set(headers palpate_plain_headers)
     endif()
-    if(arg_PACED AND PALPATE_SANITIZE)
-        target_compile_options(palpate_${name} PRIVATE -O2)
-    endif()
-    # What most files include, parsed once: by the folder that is optimised most, since g++ 12 dies of a precompiled
-    # header that was optimised less than its user.
-    if(name STREQUAL engine_base)
+    get_property(made GLOBAL PROPERTY ${headers})
+    if(NOT made)
         target_precompile_headers(palpate_${name} PRIVATE
             <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span>
             <stdexcept> <string> <string_view> <utility> <vector> <fmt/format.h> <glm/geometric.hpp>)
+        set_property(GLOBAL PROPERTY ${headers} palpate_${name})
     elseif("Eigen3::Eigen" IN_LIST arg_LINK AND CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT PALPATE_SANITIZE)
         # Behind one, g++ 12 without optimisation refuses the intrinsics that Eigen prefetches by.
     else()
-        target_precompile_headers(palpate_${name} REUSE_FROM palpate_engine_base)
+        target_precompile_headers(palpate_${name} REUSE_FROM ${made})
     endif()
-    if(arg_ALONE)
-        # No stranger's bytes come here. (The macro is of the flags that the precompiled header was made with.)
-        if(NOT PALPATE_SANITIZE)
-            target_compile_options(palpate_${name} PRIVATE -fno-stack-protector -D__SSP_STRONG__=3)
-        endif()
-    else()
-        palpate_in_batches(palpate_${name})
-    endif()
-    set_property(GLOBAL APPEND PROPERTY palpate_${room}_objects $<TARGET_OBJECTS:palpate_${name}>)
-    set_property(GLOBAL APPEND PROPERTY palpate_${room}_libraries ${arg_LINK})
 endfunction()
 
 # What every folder of this room may use: the rooms to the left, and libraries whose values are part of our own

@@ -33,7 +33,6 @@ Slot is(void* record) {
     return OneOf{kWords, whole_of(part_of<Member, Deeper...>(record_at<OwnerOf<Member>>(record)))};
 }
 
-using engine::Axis;
 using engine::AxisDynamics;
 using engine::ComediWiring;
 using engine::FiveBar;
@@ -83,15 +82,15 @@ constexpr Key kLinkage[]{
 };
 
 constexpr Key kAxis[]{
-    {.name = "counts_per_turn", .slot = at<&Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
+    {.name = "counts_per_turn", .slot = at<&engine::Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the joint"},
-    {.name = "zero_deg", .slot = at<&Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
+    {.name = "zero_deg", .slot = at<&engine::Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
      .meaning = "angle at count 0"},
-    {.name = "torque_limit_mn_m", .slot = at<&Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_limit_mn_m", .slot = at<&engine::Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "the most that the motor gives, at the joint"},
-    {.name = "torque_forever_mn_m", .slot = at<&Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_forever_mn_m", .slot = at<&engine::Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "what it can give for ever"},
-    {.name = "codes_full_scale", .slot = at<&Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
+    {.name = "codes_full_scale", .slot = at<&engine::Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
      .meaning = "code of the torque limit"},
 };
 
@@ -147,13 +146,13 @@ constexpr Key kGantry[]{
 constexpr Key kStraightAxis[]{
     {.name = "radius_mm", .slot = at<&StraightAxis::radius>, .need = required, .range = {0, 200, true}, .per_si = kMilli,
      .meaning = "of the drum or pinion: mm of way by rad of the motor"},
-    {.name = "counts_per_turn", .slot = at<&StraightAxis::motor, &Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
+    {.name = "counts_per_turn", .slot = at<&StraightAxis::motor, &engine::Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the drum"},
-    {.name = "torque_limit_mn_m", .slot = at<&StraightAxis::motor, &Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_limit_mn_m", .slot = at<&StraightAxis::motor, &engine::Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "the most that the motor gives, at the drum; by the radius it is a force"},
-    {.name = "torque_forever_mn_m", .slot = at<&StraightAxis::motor, &Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
+    {.name = "torque_forever_mn_m", .slot = at<&StraightAxis::motor, &engine::Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "what it can give for ever"},
-    {.name = "codes_full_scale", .slot = at<&StraightAxis::motor, &Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
+    {.name = "codes_full_scale", .slot = at<&StraightAxis::motor, &engine::Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
      .meaning = "code of the torque limit"},
     {.name = "low_mm", .slot = at<&StraightAxis::low>, .need = required, .range = kEnd, .per_si = kMilli,
      .meaning = "lower end of the workspace: a reading outside it ends the trial"},

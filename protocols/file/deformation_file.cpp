@@ -26,8 +26,6 @@ struct CaseTable {
 template <auto Member>
 constexpr auto of_curve = at<&CaseTable::curve, Member>;
 
-constexpr Range kPlace{.min = -1e6, .max = 1e6};
-
 using engine::DnurbsSpec;
 using enum Need;
 

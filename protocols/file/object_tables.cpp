@@ -34,7 +34,6 @@ WordList words_of(SetTable::Set) {
 constexpr Range kCurvature{.min = -1000.0, .max = 1000.0};
 /// The largest coordinate, m: the squares of distances to farther places would overflow or round
 /// away.
-constexpr Range kPlace{.min = -1e6, .max = 1e6};
 
 using enum Need;
 

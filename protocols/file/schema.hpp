@@ -41,6 +41,7 @@ struct Range {
 inline constexpr double kLargest = 1e9;
 inline constexpr Range kFromZero{.min = 0.0, .max = kLargest};
 inline constexpr Range kPositive{.min = 0.0, .max = kLargest, .above = true};
+inline constexpr Range kPlace{.min = -1e6, .max = 1e6};
 /// Degrees of a radian, for keys that end in _deg.
 inline constexpr double kDegrees = 180.0 / engine::kPi;
 

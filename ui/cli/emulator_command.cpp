@@ -107,7 +107,7 @@ void declare(CommandWords& words, EmulatorOptions& options) {
 }
 
 /// Lines of standard input that are there, without waiting for one.
-class Lines {
+class InputLines {
 public:
     [[nodiscard]] std::vector<std::string> take() {
         pollfd input{.fd = open_ ? STDIN_FILENO : -1, .events = POLLIN, .revents = 0};
@@ -158,7 +158,7 @@ void serve(
     engine::run_like_a_board();
     fmt::print("{}\n", port.path());
     std::fflush(stdout);
-    Lines lines;
+    InputLines lines;
     while (!interrupted()) {
         port.step(delay > 0.0 ? kDelayStepUs : kStepUs);
         look();
