@@ -160,7 +160,9 @@ void destroy_notes(Database& database, std::string_view code, bool consent) {
         code);
     database.run(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
                              "destroyed_utc = ?2{} WHERE participant_code = ?1",
-                             consent ? ", consent = 0, consent_utc = ?2" : ""),
+                             consent ? ", consent = 0, consent_utc = ?2, refusals_utc = "
+                                       "ltrim(coalesce(refusals_utc, '') || ' ' || ?2)"
+                                     : ""),
                  code, utc);
 }
 
