@@ -274,7 +274,7 @@ void make_own_views(const Connection& file) {
          at = sql.find(kMade, at + kTemporary.size())) {
         sql.replace(at, kMade.size(), kTemporary);
     }
-    file.execute(("PRAGMA temp_store = MEMORY;" + sql).c_str());
+    file.execute(sql.c_str());
 }
 
 }  // namespace palpate::data
