@@ -9,6 +9,7 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
+#include "data/sync/last_version.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
 #include "data/sync/push_shared.hpp"
@@ -59,20 +60,15 @@ public:
 
 private:
     void conflict(const SessionVersion& session, std::string_view what) {
-        report_.conflicts.push_back(fmt::format("{}, participant {}, session {} ({}): {}",
-                                                session.study_name, session.participant,
-                                                session.number, session.uuid, what));
+        report_.conflicts.push_back(fmt::format("{}: {}", called(session), what));
     }
 
     /// Nothing of who does not consent goes on but which session it is, whichever file noted that
     /// they do not, this one or one before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
-        const bool here = database_
-                              .prepare(
-                                  "SELECT 1 FROM participant WHERE participant_code = ?1 AND "
-                                  "consent = 0",
-                                  session.participant)
-                              .step();
+        constexpr std::string_view kRefuses =
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0";
+        const bool here = database_.prepare(kRefuses, session.participant).step();
         if (here || refusals_.hold(session.participant)) {
             send("participant_note", Refusals::note(session));
             flush();
@@ -98,13 +94,10 @@ private:
 
     /// Something of theirs was destroyed in a file that was pushed, and this one may still have it.
     [[nodiscard]] bool forgets(const std::string& code) {
+        constexpr std::string_view kKnows =
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND destroyed_utc >= ?2";
         const std::string there = refusals_.destroyed(code);
-        return !there.empty() && !database_
-                                      .prepare(
-                                          "SELECT 1 FROM participant WHERE participant_code = ?1 "
-                                          "AND destroyed_utc >= ?2",
-                                          code, there)
-                                      .step();
+        return !there.empty() && !database_.prepare(kKnows, code, there).step();
     }
 
     /// The score of whose session it is, or was, stands in its events.
