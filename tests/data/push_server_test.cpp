@@ -367,7 +367,7 @@ TEST_CASE(
         Postgres admin(server->url());
         admin.run("DELETE FROM palpate.participant_note WHERE key = 'handedness'");
         CHECK(push(file).code == 0);
-        check_end(push(older), 1, Has("says the server"));
+        check_end(push(older), 1, Has("the server"));
         CHECK(
             admin.rows("SELECT 1 FROM palpate.participant_note WHERE key = 'handedness'").empty());
     }
