@@ -67,7 +67,7 @@ std::string no_session(Database& database, const std::string& kind) {
 Selection::Selection(Database& database, const ExportOptions& options)
     : database_(database), now_(database) {
     database_.execute(
-        "PRAGMA temp_store = MEMORY;CREATE TEMP TABLE chosen (session_id INTEGER PRIMARY KEY, "
+        "CREATE TEMP TABLE chosen (session_id INTEGER PRIMARY KEY, "
         "subject TEXT, label TEXT, day INTEGER, session_number INTEGER);CREATE TEMP TABLE numbered "
         "(trial_id INTEGER PRIMARY KEY, trial_number INTEGER NOT NULL, zero_ns INTEGER, "
         "trials_since_break INTEGER, exclusion TEXT);CREATE TEMP TABLE happened (event_id INTEGER "

@@ -32,6 +32,7 @@ CREATE TABLE participant (
     handedness_utc TEXT,                            -- [details] when that was noted
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it {0 = no; 1 = yes}
     consent_utc TEXT,                               -- [details] when that was noted
+    refusals_utc TEXT,                              -- [file] when consent was refused, each time known here, a blank between
     destroyed_utc TEXT,                             -- [file] when what was noted of them was destroyed, on request
     subject     INTEGER NOT NULL UNIQUE             -- [file] the number in exports: drawn, and never changed
                     CHECK (subject BETWEEN 1 AND 9999999999)

@@ -128,7 +128,6 @@ bool names_sample(std::string_view sql) {
 
 /// The table sample and its functions, before a guard says what a statement may do.
 Database& with_ticks(Database& database, std::FILE* error) {
-    database.execute("PRAGMA temp_store = MEMORY");  // sorted rows, as many as a query makes
     if (has_own_sample(database.handle())) {
         fmt::print(error, "{}: sample are the ticks; what the file calls so is main.sample\n",
                    database.file());

@@ -60,7 +60,6 @@ void check_study(Database& database, const std::string& study) {
 }  // namespace
 
 void analyse(Database& database, Versions versions, const std::string& study) {
-    database.execute("PRAGMA temp_store = MEMORY");
     const bool hidden = hides(database);
     if (hidden) {
         database.execute(
@@ -82,7 +81,6 @@ void analyse(Database& database, Versions versions, const std::string& study) {
 }
 
 void keep_attempts(Database& database) {
-    database.execute("PRAGMA temp_store = MEMORY");
     database.execute("CREATE TEMP TABLE attempts AS SELECT * FROM analysis_trial");
     database.execute("DROP VIEW IF EXISTS temp.analysis_trial");
     database.execute("CREATE TEMP VIEW analysis_trial AS SELECT * FROM temp.attempts");

@@ -26,14 +26,11 @@ namespace palpate::data {
 namespace {
 
 /// An empty file of one's own, before SQLite makes one that others can read.
-/// @throws as require_not_elsewhere()
-void make_private_file(const std::string& file) {
-    require_not_elsewhere(file);
+/// @return whether it was made: there was none
+bool make_private_file(const std::string& file) {
     const int fd =
         open(plain_name(file).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    if (fd >= 0) {
-        close(fd);
-    }
+    return fd >= 0 && close(fd) == 0;
 }
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
@@ -115,6 +112,7 @@ Database::Database(std::string file, Access access) : connection_{.file = std::m
     try {
         open(access);
     } catch (...) {
+        take_back();
         connection_.forget_idle();
         sqlite3_close_v2(connection_.handle);
         throw;
@@ -144,6 +142,9 @@ void Database::connect(const std::string& name, int flags) {
                                      {SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1}}) {
         sqlite3_db_config(connection_.handle, option, on, nullptr);
     }
+    if ((flags & SQLITE_OPEN_READWRITE) == 0) {  // what is sorted; VACUUM would take the whole file
+        execute("PRAGMA temp_store = MEMORY");
+    }
 }
 
 void Database::open(Access access) {
@@ -158,14 +159,14 @@ void Database::open(Access access) {
     refuse_if<WrongFile>(connection_.file.empty(),
                          "the name of the database is empty; give a file name");
     require_plain_files(connection_.file);
+    require_not_elsewhere(connection_.file);
     if (access == Access::write) {
-        make_private_file(connection_.file);
+        made_ = make_private_file(connection_.file);
     } else if (::access(plain_name(connection_.file).c_str(), R_OK) != 0) {
-        throw WrongFile(fmt::format(
-            "{}: {}", connection_.file,
-            errno == ENOENT || errno == ENOTDIR ? "there is no such file: check the path"
-            : errno == ELOOP ? "it is a link that leads back to itself: name the file"
-                             : "it may not be read: change its rights"));
+        throw WrongFile(fmt::format("{}: {}", connection_.file,
+                                    errno == ENOENT || errno == ENOTDIR
+                                        ? "there is no such file: check the path"
+                                        : "it may not be read: change its rights"));
     }
     connect(plain_name(connection_.file),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);

@@ -71,6 +71,10 @@ public:
     /// Now on a clock that nobody sets, ns.
     [[nodiscard]] std::int64_t steady_now() const;
 
+    /// Where this connection made the file, and nobody is in it: takes it away again, so that what
+    /// failed leaves nothing behind.
+    void take_back() noexcept;
+
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits
@@ -111,6 +115,7 @@ private:
     Connection connection_;
     int wait_ms_ = 5000;
     bool in_memory_ = false;
+    bool made_ = false;      ///< the file, by this connection
     std::string rescued_{};  ///< where a deleted file's content is
     std::function<std::int64_t()> clock_;
 };

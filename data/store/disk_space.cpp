@@ -59,10 +59,8 @@ std::string plain_name(const std::string& file) {
 std::string immutable_uri(const std::string& file) {
     std::string uri = "file:";
     for (const char c : plain_name(file)) {
-        const bool plain = c == '/' || c == '.' || c == '-' || c == '_' || (c >= '0' && c <= '9') ||
-                           (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-        uri += plain ? std::string(1, c)
-                     : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        const bool plain = c != '%' && c != '?' && c != '#';
+        uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned>(c));
     }
     return uri + "?immutable=1";
 }
@@ -70,9 +68,20 @@ std::string immutable_uri(const std::string& file) {
 void require_not_elsewhere(const std::string& file) {
     std::error_code unknown;
     const std::filesystem::path name = plain_name(file);
+    const auto size_of = [&](const std::string& one) {  // 0: it is empty, or not there
+        const auto size = std::filesystem::file_size(one, unknown);
+        return unknown ? 0 : size;
+    };
+    // Its log first: another program that makes the file now begins with the file.
+    refuse_if<WrongFile>(size_of(name.string() + "-wal") > 0 && size_of(name) == 0,
+                         "{0}: it is not there, or empty, and {0}-wal beside it is the log of a "
+                         "file that was: put that file in its place, or move {0}-wal away",
+                         file);
     if (std::filesystem::exists(name, unknown)) {
         return;
     }
+    refuse_if<WrongFile>(unknown == std::errc::too_many_symbolic_link_levels,
+                         "{}: it is a link that leads back to itself: name the file", file);
     refuse_if<WrongFile>(std::filesystem::is_symlink(name, unknown),
                          "{}: it is a link to {}, which is not there: make the link right, or take "
                          "it away",

@@ -28,8 +28,9 @@ void require_space(const std::string& file,
 /// The file as a URI of one that cannot change, for SQLite to read it without any file beside it.
 [[nodiscard]] std::string immutable_uri(const std::string& file);
 
-/// A new file would begin what another one holds already.
-/// @throws WrongFile where a link leads to none, or what was rescued waits for the file's name
+/// A new file would begin what another one holds already, and to read it finds nothing.
+/// @throws WrongFile where a link leads to none, what was rescued waits for the file's name, or a
+/// log is beside it that is another's: SQLite would delete it
 void require_not_elsewhere(const std::string& file);
 
 /// A database that nobody writes, where SQLite could not lay its log and the index of it beside it,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include "engine/base/files.hpp"
 #include "data/schema/catalogue.hpp"
@@ -36,53 +37,17 @@ Schema read_schema(const Connection& file) {
     return all;
 }
 
-std::size_t count(std::string_view text, std::string_view words) {
-    std::size_t found = 0;
-    for (std::size_t at = text.find(words); at != std::string_view::npos;
-         at = text.find(words, at + 1)) {
-        ++found;
-    }
-    return found;
-}
-
-/// How many indices SQLite makes for a table: one for each key but the row's own number.
-std::size_t own_indices(std::string_view table) {
-    std::string code;
-    for (std::size_t at = 0; at < table.size();) {
-        const std::size_t end = std::min(table.find('\n', at), table.size() - 1) + 1;
-        const std::string_view line = table.substr(at, end - at);
-        code += line.substr(0, line.find("--"));
-        at = end;
-    }
-    return count(code, "UNIQUE") + count(code, "PRIMARY KEY") - count(code, "INTEGER PRIMARY KEY");
-}
-
-void add_own(Schema& all, std::string_view statement) {
-    const auto word = [statement](std::size_t begin) {
-        return std::string(statement.substr(begin, statement.find(' ', begin) - begin));
-    };
-    constexpr std::size_t kType = std::string_view("CREATE ").size();
-    const bool view = word(kType) == "VIEW";
-    const std::string name = word(kType + word(kType).size() + 1);
-    all[{view ? "view" : "table", name}] = {name, std::string(statement)};
-    for (std::size_t i = 1; !view && i <= own_indices(statement); ++i) {
-        all[{"index", fmt::format("sqlite_autoindex_{}_{}", name, i)}] = {name, "of " + name};
-    }
-}
-
-/// What a file holds that this palpate makes, as SQLite's list has it: each statement without its
-/// semicolon. Read from the text: to make it takes SQLite longer than a short query.
+/// What a file holds that this palpate makes.
 const Schema& own_schema() {
     static const Schema own = [] {
-        constexpr std::string_view kMade = "\nCREATE ";
-        const std::string_view sql = schema_sql();
-        Schema all;
-        for (std::size_t at = sql.find(kMade); at != std::string_view::npos;) {
-            const std::size_t next = sql.find(kMade, at + 1);
-            const std::string_view statement = sql.substr(at + 1, next - at - 1);
-            add_own(all, statement.substr(0, statement.rfind(';')));
-            at = next;
+        Connection made{.file = "the catalogue"};
+        if (sqlite3_open(":memory:", &made.handle) != SQLITE_OK) {
+            made.fail("opening");
         }
+        made.execute(std::string(schema_sql()).c_str());
+        Schema all = read_schema(made);
+        made.forget_idle();
+        sqlite3_close(made.handle);
         return all;
     }();
     return own;
@@ -274,7 +239,7 @@ void make_own_views(const Connection& file) {
          at = sql.find(kMade, at + kTemporary.size())) {
         sql.replace(at, kMade.size(), kTemporary);
     }
-    file.execute(("PRAGMA temp_store = MEMORY;" + sql).c_str());
+    file.execute(sql.c_str());
 }
 
 }  // namespace palpate::data

@@ -43,14 +43,10 @@ void tell_sessions(Database& database,
                    const protocols::Event& event,
                    std::string_view operator_name,
                    std::string_view utc) {
-    Statement destroyed = database.prepare(
-        "SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2");
-    destroyed.bind(2, kDestroyed);
     for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
-        if (!destroyed.bind(1, session.id).step()) {
+        if (!is_destroyed(database, session.id)) {
             add_event(database, session.id, event, operator_name, utc);
         }
-        destroyed.reset();
     }
 }
 
@@ -201,15 +197,18 @@ void note_participant(Database& database,
             *notes.handedness, noted_handedness(*notes.handedness));
     }
     if (notes.consent) {
-        note("UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1",
-             *notes.consent, noted_consent(*notes.consent));
+        note(
+            "UPDATE participant SET consent = ?2, consent_utc = ?3, refusals_utc = iif(?2, "
+            "refusals_utc, ltrim(coalesce(refusals_utc, '') || ' ' || ?3)) WHERE participant_code "
+            "= ?1",
+            *notes.consent, noted_consent(*notes.consent));
     }
-    Statement detail = database.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
-        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
-        "excluded.value, noted_utc = excluded.noted_utc");
     for (const auto& [key, value] : notes.details) {
-        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, utc).run();
+        database.run(
+            "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant "
+            "WHERE participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
+            "excluded.value, noted_utc = excluded.noted_utc",
+            code, key, value, utc);
         tell_sessions(database, code, noted(key), operator_name, utc);
     }
     all.commit();

@@ -94,6 +94,37 @@ void require_movable(Database& database,
     refuse_running(database, session);
 }
 
+MovedSession move_session(Database& database,
+                          std::int64_t session,
+                          std::string_view code,
+                          const Reason& why) {
+    Statement row = database.first(
+        "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
+        "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
+        "session_id = ?1",
+        session);
+    const std::string run_code = row.text(1);
+    const std::int64_t run_number = row.integer(2);
+    MovedSession moved;
+    moved.finished = row.integer(3) != 0;
+    const std::string whose = row.text(0);
+    row.reset();
+    require_movable(database, session, whose, code);
+    moved.number = free_number(database, session, code, run_number);
+    moved.as_run = run_code == code && run_number == moved.number;
+    give_session(database, session, code, moved.number, {run_code, run_number});
+    add_event(database, session,
+              {.kind = protocols::EventKind::participant,
+               .text = std::string(why.text),
+               .count = moved.number,
+               .key = std::string(kIsReally),
+               .value = std::string(code)},
+              why.operator_name);
+    note_at_beginning(database, session);
+    moved.head = chain_head(database, session);
+    return moved;
+}
+
 /// Scores that were noted while a session was theirs (?1), whosesoever it is now.
 constexpr std::string_view kTheirScores =
     "event_kind = 'participant' AND key = 'handedness' AND value IS NOT NULL AND coalesce((SELECT "
@@ -160,7 +191,9 @@ void destroy_notes(Database& database, std::string_view code, bool consent) {
         code);
     database.run(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
                              "destroyed_utc = ?2{} WHERE participant_code = ?1",
-                             consent ? ", consent = 0, consent_utc = ?2" : ""),
+                             consent ? ", consent = 0, consent_utc = ?2, refusals_utc = "
+                                       "ltrim(coalesce(refusals_utc, '') || ' ' || ?2)"
+                                     : ""),
                  code, utc);
 }
 
@@ -191,35 +224,15 @@ std::string undo_withdrawal(Database& database, std::int64_t session, const Reas
     return head;
 }
 
-MovedSession move_session(Database& database,
-                          std::int64_t session,
-                          std::string_view code,
-                          const Reason& why) {
+std::vector<MovedSession> move_sessions(Database& database,
+                                        const std::vector<std::int64_t>& sessions,
+                                        std::string_view code,
+                                        const Reason& why) {
     Transaction all(database);
-    Statement row = database.first(
-        "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
-        "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
-        "session_id = ?1",
-        session);
-    const std::string run_code = row.text(1);
-    const std::int64_t run_number = row.integer(2);
-    MovedSession moved;
-    moved.finished = row.integer(3) != 0;
-    const std::string whose = row.text(0);
-    row.reset();
-    require_movable(database, session, whose, code);
-    moved.number = free_number(database, session, code, run_number);
-    moved.as_run = run_code == code && run_number == moved.number;
-    give_session(database, session, code, moved.number, {run_code, run_number});
-    add_event(database, session,
-              {.kind = protocols::EventKind::participant,
-               .text = std::string(why.text),
-               .count = moved.number,
-               .key = std::string(kIsReally),
-               .value = std::string(code)},
-              why.operator_name);
-    note_at_beginning(database, session);
-    moved.head = chain_head(database, session);
+    std::vector<MovedSession> moved;
+    for (const std::int64_t session : sessions) {
+        moved.push_back(move_session(database, session, code, why));
+    }
     all.commit();
     return moved;
 }

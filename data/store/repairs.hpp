@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "data/store/chain.hpp"
 #include "data/store/database.hpp"
@@ -20,6 +21,7 @@ std::string withdraw_session(Database& database, std::int64_t session, const Rea
 /// it
 std::string undo_withdrawal(Database& database, std::int64_t session, const Reason& why);
 
+/// A session that became another's.
 struct MovedSession {
     std::int64_t number = 0;  ///< of the participant's sessions, from now on
     bool finished = false;
@@ -27,15 +29,15 @@ struct MovedSession {
     std::string head;
 };
 
-/// The session was run under a wrong code and counts as that of `code`, everywhere, with its own
-/// number where that is free and else the next one. Its orders stay those that were drawn for the
-/// code under which it was run. Moved back, it is as it was.
-/// @throws std::invalid_argument if nobody is called `code`, if it is theirs already, or while a
-/// program runs it
-MovedSession move_session(Database& database,
-                          std::int64_t session,
-                          std::string_view code,
-                          const Reason& why);
+/// The sessions were run under a wrong code and count as those of `code`, everywhere, each with its
+/// own number where that is free and else the next one, all or none. Their orders stay those that
+/// were drawn for the code under which they were run. Moved back, they are as they were.
+/// @throws std::invalid_argument if nobody is called `code`, if one is theirs already, or while a
+/// program runs one
+std::vector<MovedSession> move_sessions(Database& database,
+                                        const std::vector<std::int64_t>& sessions,
+                                        std::string_view code,
+                                        const Reason& why);
 
 // -------------------------------------------------------------------------------------------------
 // What is destroyed because a participant wants it: the only rows that this program ever deletes.

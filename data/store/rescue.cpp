@@ -3,9 +3,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,7 +16,7 @@
 #include "data/store/disk_space.hpp"
 #include "data/store/session_lock.hpp"
 
-// What becomes of a file that somebody deletes while it is in use.
+// What becomes of a file that somebody deletes while it is in use, or in which nothing came to be.
 namespace palpate::data {
 namespace {
 
@@ -85,32 +83,24 @@ bool is_in_use(const std::string& file) {
 }
 
 /// Pages, indices and references hold, or nobody can say so.
-bool is_sound(sqlite3* handle) {
-    for (const auto& [sql, sound] :
-         {std::pair{"PRAGMA integrity_check(1)", "ok"}, {"PRAGMA foreign_key_check", nullptr}}) {
-        sqlite3_stmt* check = nullptr;
-        sqlite3_prepare_v2(handle, sql, -1, &check, nullptr);
-        const int code = check == nullptr ? sqlite3_errcode(handle) : sqlite3_step(check);
-        const auto* said = code == SQLITE_ROW ? sqlite3_column_text(check, 0) : nullptr;
-        const bool differs =
-            code == SQLITE_ROW && (sound == nullptr || said == nullptr ||
-                                   std::string_view(reinterpret_cast<const char*>(said)) != sound);
-        sqlite3_finalize(check);
-        if (differs || (code & 0xFF) == SQLITE_CORRUPT) {
-            return false;
-        }
+bool is_sound(const Connection& file) {
+    try {
+        Statement pages(file, "PRAGMA integrity_check(1)");
+        return pages.step() && pages.text(0) == "ok" &&
+               !Statement(file, "PRAGMA foreign_key_check").step();
+    } catch (const StoreError&) {
+        return (sqlite3_errcode(file.handle) & 0xFF) != SQLITE_CORRUPT;
     }
-    return true;
 }
 
 /// The file without what its log has.
 bool is_sound_alone(const std::string& file) {
-    sqlite3* alone = nullptr;
+    Connection alone{.file = file};
     const bool opened =
-        sqlite3_open_v2(immutable_uri(file).c_str(), &alone, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI,
-                        nullptr) == SQLITE_OK;
+        sqlite3_open_v2(immutable_uri(file).c_str(), &alone.handle,
+                        SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr) == SQLITE_OK;
     const bool sound = opened && is_sound(alone);
-    sqlite3_close(alone);
+    sqlite3_close(alone.handle);
     return sound;
 }
 
@@ -126,7 +116,7 @@ void Database::require_own_log() {
         return;
     }
     refuse_if<StoreError>(
-        !is_sound(connection_.handle) && is_sound_alone(name),
+        !is_sound(connection_) && is_sound_alone(name),
         "{0}: the log beside it, {0}-wal, goes with another state of it, as where a copy was put "
         "in its place: nothing is read or written; move {0}-wal and {0}-shm away, and it is what "
         "the copy was",
@@ -172,6 +162,27 @@ void Database::require_log(Access access) {
         "{0}: the log beside it, {0}-wal, is of another database, which a session records in: "
         "this one, put in its place, is neither read nor written; move it away",
         connection_.file);
+}
+
+void Database::take_back() noexcept {
+    if (!made_ || connection_.handle == nullptr) {
+        return;
+    }
+    sqlite3_busy_timeout(connection_.handle, 0);
+    if (sqlite3_exec(connection_.handle, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) !=
+        SQLITE_OK) {  // another program is at it
+        return;
+    }
+    try {
+        if (identity().blank || !prepare("SELECT 1 FROM participant").step()) {
+            sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+            for (const char* beside : {"-shm", "-wal", "-journal", ""}) {
+                unlink((plain_name(connection_.file) + beside).c_str());
+            }
+        }
+    } catch (const std::exception&) {  // it cannot be read: it stays
+    }
+    sqlite3_exec(connection_.handle, "ROLLBACK", nullptr, nullptr, nullptr);
 }
 
 void Database::rescue_deleted() {

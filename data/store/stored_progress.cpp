@@ -279,18 +279,7 @@ std::optional<TrialDevice> last_device(Database& database, std::int64_t session)
 std::string last_board(Database& database, std::int64_t session) {
     const std::int64_t trials =
         database.first("SELECT count(*) FROM trial WHERE session_id = ?1", session).integer(0);
-    const auto begun = first_provenance(database, session);
-    const auto at_first = begun.find(std::string(protocols::kBoard));
-    const std::string first = at_first == begun.end() ? "" : at_first->second;
-    std::string board = first;
-    for (const auto& [before, event] : stored_events(database, session)) {
-        if (before >= trials) {
-            break;
-        }
-        const bool said = event.kind == EventKind::provenance && event.key == protocols::kBoard;
-        board = event.kind == EventKind::planned_again ? first : said ? event.value : board;
-    }
-    return board;
+    return next_provenance(database, session, trials)[std::string(protocols::kBoard)];
 }
 
 bool same_rig(const TrialDevice& a, const TrialDevice& b) {
@@ -310,10 +299,13 @@ Provenance first_provenance(Database& database, std::int64_t session) {
     return begun;
 }
 
-Provenance next_provenance(Database& database, std::int64_t session) {
+Provenance next_provenance(Database& database, std::int64_t session, std::int64_t trials) {
     const Provenance begun = first_provenance(database, session);
     Provenance now = begun;
-    for (const auto& [trials, event] : stored_events(database, session)) {
+    for (const auto& [before, event] : stored_events(database, session)) {
+        if (before >= trials) {
+            break;
+        }
         if (event.kind == EventKind::planned_again) {
             now = begun;
         } else if (event.kind == EventKind::provenance && event.key != protocols::kStartPose &&

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -122,7 +123,11 @@ using Provenance = std::map<std::string, std::string>;
 [[nodiscard]] Provenance first_provenance(Database& database, std::int64_t session);
 /// Of the next trial: the last word of each key, without those that ended with an empty one. What a
 /// proof found is of its moment alone, and no part of it.
-[[nodiscard]] Provenance next_provenance(Database& database, std::int64_t session);
+/// @param trials  as it was when so many had begun
+[[nodiscard]] Provenance next_provenance(
+    Database& database,
+    std::int64_t session,
+    std::int64_t trials = std::numeric_limits<std::int64_t>::max());
 
 /// "mouse", "Haply on /dev/ttyACM0 (calibration 1a2b3c4d)"
 [[nodiscard]] std::string device_text(const TrialDevice& device);

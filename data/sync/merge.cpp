@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <set>
 
@@ -275,28 +274,7 @@ bool merge_into(Database& out,
     return destroyed;
 }
 
-/// A file that was made for nothing is not left behind.
-void remove_if_empty(const std::string& file) {
-    std::error_code unknown;
-    try {
-        Database made(file, Access::read);
-        if (anybody_in(made)) {
-            return;
-        }
-    } catch (const StoreError&) {
-        if (std::filesystem::file_size(file, unknown) != 0) {
-            return;
-        }
-    }
-    for (const char* beside : {"", "-wal", "-shm", "-journal"}) {
-        std::filesystem::remove(file + beside, unknown);
-    }
-}
-
-MergeReport merge_all(const std::string& file,
-                      std::deque<Input>& inputs,
-                      const std::string& prefer) {
-    Database out(file, Access::write);
+MergeReport merge_all(Database& out, std::deque<Input>& inputs, const std::string& prefer) {
     MergeReport report;
     bool destroyed = false;
     {
@@ -321,16 +299,11 @@ MergeReport merge_files(const std::string& file,
     for (const std::string& name : files) {
         inputs.emplace_back(name);  // before anything is made
     }
-    std::error_code unknown;
-    const bool is_new = !std::filesystem::exists(file, unknown);
+    Database out(file, Access::write);
     try {
-        return merge_all(file, inputs, prefer);
-    } catch (const LockedFile&) {  // another program is at it
-        throw;
+        return merge_all(out, inputs, prefer);
     } catch (const StoreError&) {
-        if (is_new) {
-            remove_if_empty(file);
-        }
+        out.take_back();
         throw;
     }
 }

@@ -1,6 +1,8 @@
 #include "data/sync/people_merge.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -43,8 +45,8 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
 void PeopleMerge::read(Database& database, const std::string& file) {
     Statement row = database.prepare(
         "SELECT participant_code, handedness, coalesce(handedness_utc, ''), consent, "
-        "coalesce(consent_utc, ''), printf('%010d', subject), '', coalesce(destroyed_utc, '') FROM "
-        "participant");
+        "coalesce(consent_utc, ''), printf('%010d', subject), '', coalesce(destroyed_utc, ''), "
+        "coalesce(refusals_utc, '') FROM participant");
     while (row.step()) {
         const std::string code = row.text(0);
         int column = 1;
@@ -61,6 +63,11 @@ void PeopleMerge::read(Database& database, const std::string& file) {
             destroyed_[code] = std::max(destroyed_[code], row.text(7));
             knows_.insert({file, code, row.text(7)});
         }
+        std::istringstream refusals(row.text(8));
+        for (std::string utc; refusals >> utc;) {
+            refusals_[code].insert(utc);
+            knows_.insert({file, code, utc});
+        }
     }
     for (const Statement& detail :
          database.prepare("SELECT participant_code, key, value, noted_utc FROM participant_detail "
@@ -68,12 +75,6 @@ void PeopleMerge::read(Database& database, const std::string& file) {
         words_.push_back({detail.text(0),
                           std::string(kDetail) + detail.text(1),
                           {detail.text(2), file, detail.text(3)}});
-    }
-    for (const Statement& refused : database.prepare(
-             "SELECT participant_code, coalesce(noted_utc, at_utc) FROM event JOIN session USING "
-             "(session_id) JOIN participant USING (participant_id) WHERE event_kind = "
-             "'participant' AND key = 'consent' AND value = 'no'")) {
-        knows_.insert({file, refused.text(0), refused.text(1)});
     }
 }
 
@@ -156,41 +157,43 @@ void PeopleMerge::number() {
 }
 
 void PeopleMerge::write(Database& out) const {
-    Statement add = out.prepare(
-        "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) ON "
-        "CONFLICT (participant_code) DO NOTHING");
-    Statement note = out.prepare(
-        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), handedness_utc = ?3, consent = "
-        "CAST(?4 AS INTEGER), consent_utc = ?5, destroyed_utc = ?6, subject = CAST(?7 AS INTEGER) "
-        "WHERE participant_code = ?1");
-    Statement gone = out.prepare(
-        "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
-        "participant WHERE participant_code = ?1)");
-    Statement detail = out.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
-        "participant_code = ?1");
     for (const auto& [code, person] : people_) {
         if (in_conflict_.contains(code)) {
             continue;
         }
-        const std::string& subject = person.at(kSubject).value;
-        add.bind(1, code).bind(2, subject).run();
-        int parameter = 2;
-        for (const char* key : {kHandedness, kConsent}) {
-            const bool known = person.contains(key);
-            note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
-                .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
-            parameter += 2;
-        }
+        const auto said = [&person](const char* key) {
+            const auto there = person.find(key);
+            using Words = std::pair<std::optional<std::string>, std::optional<std::string>>;
+            return there == person.end() ? Words() : Words(there->second.value, there->second.utc);
+        };
+        const auto handedness = said(kHandedness);
+        const auto consent = said(kConsent);
         const auto destroyed = destroyed_.find(code);
-        const bool is_destroyed = destroyed != destroyed_.end();
-        note.bind(6, is_destroyed ? std::optional(destroyed->second) : std::nullopt);
-        note.bind(1, code).bind(7, subject).run();
-        gone.bind(1, code).run();
-        for (const auto& [key, said] : person) {
+        const auto refusals = refusals_.find(code);
+        out.run(
+            "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) "
+            "ON CONFLICT (participant_code) DO NOTHING",
+            code, person.at(kSubject).value);
+        out.run(
+            "UPDATE participant SET handedness = CAST(?2 AS INTEGER), handedness_utc = ?3, consent "
+            "= CAST(?4 AS INTEGER), consent_utc = ?5, destroyed_utc = ?6, refusals_utc = ?7, "
+            "subject = CAST(?8 AS INTEGER) WHERE participant_code = ?1",
+            code, handedness.first, handedness.second, consent.first, consent.second,
+            destroyed == destroyed_.end() ? std::nullopt : std::optional(destroyed->second),
+            refusals == refusals_.end()
+                ? std::nullopt
+                : std::optional(fmt::format("{}", fmt::join(refusals->second, " "))),
+            person.at(kSubject).value);
+        out.run(
+            "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
+            "participant WHERE participant_code = ?1)",
+            code);
+        for (const auto& [key, noted] : person) {
             if (key.starts_with(kDetail)) {
-                detail.bind(1, code).bind(2, key.substr(kDetail.size()));
-                detail.bind(3, said.value).bind(4, said.utc).run();
+                out.run(
+                    "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM "
+                    "participant WHERE participant_code = ?1",
+                    code, key.substr(kDetail.size()), noted.value, noted.utc);
             }
         }
     }

@@ -79,6 +79,7 @@ private:
     std::vector<Word> words_;                                  ///< but for consent
     std::map<std::string, std::vector<NotedDetail>> given_;    ///< consent, by code
     std::map<std::string, std::vector<NotedDetail>> refused_;  ///< the same
+    std::map<std::string, std::set<std::string>> refusals_;    ///< code, when in any file
     std::map<std::string, std::string> destroyed_;             ///< code, when
     /// File, code, when: of refusals and destructions.
     std::set<std::tuple<std::string, std::string, std::string>> knows_;

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstring>
 #include <memory>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -117,15 +118,11 @@ bool stays_here(std::string_view host) {
 
 /// The places of a list with commas, one at least.
 std::vector<std::string> list_of(const std::string& words) {
-    std::vector<std::string> all(1);
-    for (const char c : words) {
-        if (c == ',') {
-            all.emplace_back();
-        } else {
-            all.back() += c;
-        }
+    std::vector<std::string> all;
+    for (const auto& place : std::views::split(words, ',')) {
+        all.emplace_back(place.begin(), place.end());
     }
-    return all;
+    return all.empty() ? std::vector<std::string>(1) : all;
 }
 
 /// Looked at before a word is sent: of several hosts each.

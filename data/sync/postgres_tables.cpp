@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <ranges>
 #include <set>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/schema/catalogue.hpp"
 
 namespace palpate::data {
 namespace {
@@ -30,23 +32,13 @@ PostgresTable owned(Database& database,
                     PostgresTable to,
                     const std::string& owner) {
     to.name = from.name;
-    // The statement: a table of the lab's may be called pragma_table_info.
-    Statement row =
-        database.prepare(fmt::format("PRAGMA main.table_info({})", quoted_name(from.name)));
-    std::vector<std::pair<std::string, std::string>> types;
-    std::map<std::int64_t, std::string> key;  // by place
-    while (row.step()) {
-        types.emplace_back(row.text(1), type_of(row.text(2)));
-        if (row.integer(5) > 0 && row.text(1) != owner && row.text(1) != from.name + "_id") {
-            key[row.integer(5)] = row.text(1);
-        }
-    }
-    for (const auto& [place, column] : key) {
-        to.key.push_back(column);
-    }
+    std::ranges::copy(
+        texts(database.prepare("SELECT name FROM pragma_table_info(?1) WHERE pk > 0 AND name NOT "
+                               "IN (?2, ?3) ORDER BY pk",
+                               from.name, owner, from.name + "_id")),
+        std::back_inserter(to.key));
     for (const std::string& column : from.columns) {
-        to.columns.push_back(
-            *std::ranges::find(types, column, &std::pair<std::string, std::string>::first));
+        to.columns.emplace_back(column, type_of(find_table(from.name)->find(column)->type));
     }
     return to;
 }

@@ -9,6 +9,7 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
+#include "data/sync/last_version.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
 #include "data/sync/push_shared.hpp"
@@ -39,7 +40,7 @@ public:
             if (declined(session)) {
                 continue;
             }
-            if (!same_head(session) || !same_events(session)) {
+            if (!same_head(session) || !same_events(session) || destroyed_elsewhere(session)) {
                 continue;
             }
             if (!chain_breaks(database_, session.id).empty()) {
@@ -59,20 +60,15 @@ public:
 
 private:
     void conflict(const SessionVersion& session, std::string_view what) {
-        report_.conflicts.push_back(fmt::format("{}, participant {}, session {} ({}): {}",
-                                                session.study_name, session.participant,
-                                                session.number, session.uuid, what));
+        report_.conflicts.push_back(fmt::format("{}: {}", called(session), what));
     }
 
     /// Nothing of who does not consent goes on but which session it is, whichever file noted that
     /// they do not, this one or one before; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
-        const bool here = database_
-                              .prepare(
-                                  "SELECT 1 FROM participant WHERE participant_code = ?1 AND "
-                                  "consent = 0",
-                                  session.participant)
-                              .step();
+        constexpr std::string_view kRefuses =
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0";
+        const bool here = database_.prepare(kRefuses, session.participant).step();
         if (here || refusals_.hold(session.participant)) {
             send("participant_note", Refusals::note(session));
             flush();
@@ -96,6 +92,29 @@ private:
         return true;
     }
 
+    /// Something of theirs was destroyed in a file that was pushed, and this one may still have it.
+    [[nodiscard]] bool forgets(const std::string& code) {
+        constexpr std::string_view kKnows =
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND destroyed_utc >= ?2";
+        const std::string there = refusals_.destroyed(code);
+        return !there.empty() && !database_.prepare(kKnows, code, there).step();
+    }
+
+    /// The score of whose session it is, or was, stands in its events.
+    [[nodiscard]] bool destroyed_elsewhere(const SessionVersion& session) {
+        for (const std::string& code : {session.participant, session.run_code}) {
+            if (session.destructions == 0 && forgets(code)) {
+                conflict(session,
+                         fmt::format("what was noted of {} was destroyed, says the server, and not "
+                                     "this file: palpate participant FILE {} --destroy details "
+                                     "does it here, too",
+                                     code, code));
+                return true;
+            }
+        }
+        return false;
+    }
+
     void send(const std::string& table, const PostgresRow& row) {
         server_.send(sql_.at(table).insert, row);
     }
@@ -104,11 +123,12 @@ private:
     void flush() { report_.rows += server_.flush(); }
 
     /// Whether a score is of who refuses, or was destroyed: it is not sent, and named if it is
-    /// there.
+    /// there, or if this file does not know that it was.
     bool keeps_score(const Statement& note, bool is_there) {
         const bool here = note.integer(3) != 0;
         const bool refuses = here || refusals_.hold(note.text(0));
-        const bool destroyed = note.integer(4) != 0;
+        const bool elsewhere = !note.null(2) && forgets(note.text(0));
+        const bool destroyed = note.integer(4) != 0 || elsewhere;
         if (is_there && (destroyed || (refuses && !choice_.including_refused))) {
             report_.conflicts.push_back(
                 fmt::format("participant {}: the server has their handedness, and {}: an "
@@ -116,7 +136,12 @@ private:
                             note.text(0),
                             here      ? "they do not consent"
                             : refuses ? "they do not consent, says the server"
-                                      : "it was destroyed here"));
+                                      : "it was destroyed"));
+        } else if (elsewhere && !refuses) {
+            report_.conflicts.push_back(fmt::format(
+                "participant {0}: their handedness was destroyed, says the server, and not this "
+                "file: palpate participant FILE {0} --destroy details does it here, too",
+                note.text(0)));
         }
         return refuses || destroyed;
     }
@@ -133,7 +158,9 @@ private:
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT), consent IS 0, "
             "destroyed_utc IS NOT NULL AND handedness IS NULL FROM participant UNION ALL SELECT "
-            "participant_code, 'consent', CAST(consent AS TEXT), 0, 0 FROM participant");
+            "participant_code, 'consent', CAST(consent AS TEXT), 0, 0 FROM participant UNION ALL "
+            "SELECT participant_code, 'destroyed', destroyed_utc, 0, 0 FROM participant WHERE "
+            "consent IS NOT 0");
         while (note.step()) {
             const auto& found = there[note.text(0) + ' ' + note.text(1)];
             if (note.text(1) == "handedness" && keeps_score(note, !found.empty())) {
@@ -142,8 +169,9 @@ private:
             if (note.null(2)) {
                 continue;
             }
-            const bool refuses = note.text(1) == "consent" && note.text(2) == "0";
-            if (!refuses && !found.empty() && found != std::set{note.text(2)}) {
+            const bool stands = note.text(1) == "destroyed" ||  // beside what was before
+                                (note.text(1) == "consent" && note.text(2) == "0");
+            if (!stands && !found.empty() && found != std::set{note.text(2)}) {
                 report_.conflicts.push_back(
                     fmt::format("participant {}: {} is {} here and {} on the server, where an "
                                 "administrator deletes the row if it is wrong",

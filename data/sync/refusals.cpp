@@ -31,6 +31,11 @@ void Refusals::read(Postgres& server) {
         codes_.insert(*row[0]);
     }
     for (const auto& row : server.rows(
+             "SELECT participant_code, max(value) FROM palpate.participant_note WHERE key = "
+             "'destroyed' GROUP BY 1")) {
+        destroyed_[*row[0]] = *row[1];
+    }
+    for (const auto& row : server.rows(
              "SELECT split_part(value, ' ', 1), max(split_part(value, ' ', 2)::bigint) FROM "
              "palpate.participant_note AS theirs WHERE key = $1 AND EXISTS (SELECT FROM "
              "palpate.participant_note AS no WHERE no.participant_code = theirs.participant_code "

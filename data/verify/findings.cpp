@@ -87,17 +87,11 @@ bool same(const Value& stored, const Value& recomputed) noexcept {
 }
 
 std::size_t Verification::count(FindingKind kind) const noexcept {
-    std::size_t found = 0;
-    const auto add = [&](const std::vector<Finding>& findings) {
-        for (const Finding& finding : findings) {
-            found += finding.kind == kind ? 1 : 0;
-        }
-    };
-    add(file);
+    auto found = std::ranges::count(file, kind, &Finding::kind);
     for (const SessionReport& session : sessions) {
-        add(session.findings);
+        found += std::ranges::count(session.findings, kind, &Finding::kind);
     }
-    return found;
+    return static_cast<std::size_t>(found);
 }
 
 void Findings::differs(std::string_view what,

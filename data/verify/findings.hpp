@@ -121,7 +121,6 @@ public:
                 std::span<const StoredRow> rows,
                 std::string_view key = {});
     void add(Finding finding);
-    [[nodiscard]] std::size_t size() const noexcept { return all_.size(); }
 
 private:
     std::vector<Finding>& all_;

@@ -59,14 +59,6 @@ std::shared_ptr<const engine::FeltScene> scene_of(const SessionFrame& frame,
     return found->scene;
 }
 
-std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& objects,
-                                    const std::string& name) {
-    const auto found = std::ranges::find(objects, name, &protocols::ObjectSpec::name);
-    return found == objects.end()
-             ? std::nullopt
-             : std::optional(static_cast<std::size_t>(found - objects.begin()));
-}
-
 /// A person's answer within the guard time would have been none; and what is asked to be confirmed
 /// was.
 void check_presses(const protocols::Protocol& protocol,
@@ -285,9 +277,14 @@ protocols::RuleAnswer rule_answer(const SessionFrame& frame,
                                   const protocols::PlannedTrial& planned,
                                   double stimulus,
                                   const protocols::AdaptiveRuns& runs) {
-    const protocols::Response given{
-        {.place = static_cast<std::size_t>(response.integer("answer_code"))},
-        index_of(frame.protocol.objects, response.text("chosen_object"))};
+    protocols::Response given;
+    given.place = static_cast<std::size_t>(response.integer("answer_code"));
+    const auto& objects = frame.protocol.objects;
+    const auto chosen =
+        std::ranges::find(objects, response.text("chosen_object"), &protocols::ObjectSpec::name);
+    if (chosen != objects.end()) {
+        given.object = static_cast<std::size_t>(chosen - objects.begin());
+    }
     return {.run = planned.adaptive->run,
             .stimulus = stimulus,
             .outcome = outcome_of(frame.protocol, planned, given),

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 #include <optional>
 #include <span>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -166,62 +168,32 @@ private:
     std::array<std::vector<std::int32_t>, kInPlane.size()> columns_;
 };
 
-template <class T>
-bool equal_bits(const T& a, const T& b) noexcept {
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
 std::string text_of(const engine::Vec3& v) {
     return fmt::format("({}, {}, {})", v.x, v.y, v.z);
 }
-std::string text_of(double value) {
-    return fmt::format("{}", value);
+std::string text_of(const TickValue& value) {
+    return std::visit([](const auto& one) { return fmt::format("{}", one); }, value);
 }
 
-/// Columns that follow from HIP, by what they are called in the trace.
-struct Column {
-    const char* name;
-    bool (*same)(const TickRecord& stored, const TickRecord& again) noexcept;
-    std::string (*text)(const TickRecord& tick);
-};
-
-template <auto Field>
-bool same_field(const TickRecord& stored, const TickRecord& again) noexcept {
-    return equal_bits(stored.*Field, again.*Field);
-}
-template <auto Field>
-std::string field_text(const TickRecord& tick) {
-    return text_of(tick.*Field);
-}
-template <auto Field>
-constexpr Column column(const char* name) {
-    return {name, same_field<Field>, field_text<Field>};
+/// Columns of a tick that follow from HIP: what a chunk holds where they do not, and the flags.
+std::vector<TraceColumn> columns_of_contacts() {
+    const auto holds = [](const TraceColumn& column) {
+        return column.name == "flags" ||
+               std::ranges::any_of(stored_columns(), [&column](const StoredColumn& stored) {
+                   return stored.name == column.name && stored.part == part_contact;
+               });
+    };
+    std::vector<TraceColumn> columns;
+    std::ranges::copy_if(trace_columns(), std::back_inserter(columns), holds);
+    return columns;
 }
 
-constexpr std::array kColumns{
-    column<&TickRecord::force>("trace.force"),
-    column<&TickRecord::go>("trace.go"),
-    column<&TickRecord::mu>("trace.mu"),
-    column<&TickRecord::normal_force>("trace.rendered_normal_n"),
-    column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),
-    column<&TickRecord::u>("trace.u"),
-    column<&TickRecord::v>("trace.v"),
-    Column{"trace.segment", same_field<&TickRecord::segment>,
-           [](const TickRecord& tick) {
-               return fmt::format("{}", tick.segment);
-           }},
-    Column{"trace.mode", same_field<&TickRecord::mode>,
-           [](const TickRecord& tick) {
-               return std::string(to_string(tick.mode));
-           }},
-    Column{"trace.flags",
-           [](const TickRecord& stored, const TickRecord& again) noexcept {
-               return (stored.flags & engine::kSceneFlags) == (again.flags & engine::kSceneFlags);
-           },
-           [](const TickRecord& tick) {
-               return fmt::format("{}", tick.flags & engine::kSceneFlags);
-           }},
-};
+bool equal_bits(const TraceColumn& column, const TickRecord& a, const TickRecord& b) noexcept {
+    const auto at = [&column](const TickRecord& tick) {
+        return reinterpret_cast<const std::byte*>(&tick) + column.offset;
+    };
+    return std::memcmp(at(a), at(b), column.size) == 0;
+}
 
 }  // namespace
 
@@ -238,23 +210,24 @@ void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Find
     if (!trace.holds_contacts) {
         return;
     }
-    std::array<Finding, kColumns.size()> found;
-    for (Finding& finding : found) {
-        finding.count = 0;
-    }
+    const std::vector<TraceColumn> columns = columns_of_contacts();
+    std::vector<Finding> found(columns.size(), Finding{.what = {}, .recomputed = {}, .count = 0});
     engine::FeltState state;
     for (const TickRecord& tick : trace.ticks) {
         TickRecord again;
         again.hip = tick.hip;
         engine::set_contacts(std::span(&again, 1), scene, state);
-        for (std::size_t i = 0; i < kColumns.size(); ++i) {
-            if (kColumns[i].same(tick, again) || found[i].count++ > 0) {
+        constexpr unsigned kScene = engine::kSceneFlags;
+        again.flags = static_cast<std::uint8_t>((tick.flags & ~kScene) | (again.flags & kScene));
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const TraceColumn& column = columns[i];
+            if (equal_bits(column, tick, again) || found[i].count++ > 0) {
                 continue;
             }
             found[i].tick = tick.tick;
-            found[i].what = kColumns[i].name;
-            found[i].stored = kColumns[i].text(tick);
-            found[i].recomputed = kColumns[i].text(again);
+            found[i].what = fmt::format("trace.{}", column.name);
+            found[i].stored = text_of(column.value(tick));
+            found[i].recomputed = text_of(column.value(again));
         }
     }
     for (Finding& finding : found) {

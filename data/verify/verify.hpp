@@ -16,8 +16,9 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
     "rows made again or taken away together with all later seals, a whole session taken away: "
     "compare the newest "
     "seals with those in the lab book",
-    "a participant's details, when handedness or consent was noted or something destroyed; "
-    "handedness, consent and destruction of somebody without a session, or noted before it",
+    "a participant's details, when handedness or consent was noted, consent refused before or "
+    "something destroyed; handedness, consent and destruction of somebody without a session, or "
+    "noted before it",
     "the secret of a file in which nothing was drawn yet",
     "tables, views and plain indices that somebody added",
     "the sign of zero, and bytes of the file that nothing uses"};

@@ -332,3 +332,34 @@ TEST_CASE("which session is whose the server goes by the uuid, then by what its 
                    .at(0) == "2");
     }
 }
+
+TEST_CASE("details that were destroyed come by no session of an older copy, new ones do",
+          "[push][repair][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const std::string newer = a_database(folder);
+    const auto push = [&](const std::string& file) {
+        return palpate_command({"push", file, "--to", server->url()});
+    };
+    ran({"participant", newer, "demo", "--handedness", "73", "--consent", "yes"});
+    const std::string older = folder.file("older.sqlite");
+    std::filesystem::copy_file(newer, older);
+    const std::string person = folder.file("person.sqlite");  // without a session
+    ran({"participant", person, "demo", "--new"});
+    for (const std::string& file : {person, newer}) {
+        ran({"participant", file, "demo", "--destroy", "details", "--yes"});
+    }
+    CHECK(push(person).code == 0);
+    Postgres there(server->url());
+    check_end(push(older), 1,
+              Has("what was noted of demo was destroyed, says the server", "--destroy details"));
+    CHECK(there.rows("SELECT 1 FROM palpate.event").empty());
+    CHECK(push(newer).code == 0);
+    CHECK(there.rows("SELECT 1 FROM palpate.event WHERE value = '73'").empty());
+    ran({"participant", newer, "demo", "--handedness", "74"});
+    CHECK(push(newer).code == 0);
+    ran({"participant", older, "demo", "--destroy", "details", "--yes"});
+    CHECK_THAT(push(older).error, !Has("says the server"));
+    CHECK(there.rows("SELECT value FROM palpate.participant_note WHERE key = 'handedness'") ==
+          std::vector<std::vector<std::optional<std::string>>>{{"74"}});
+}

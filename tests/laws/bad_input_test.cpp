@@ -372,4 +372,19 @@ TEST_CASE("a file that may not grow is as a full disk: a sentence, and nothing h
             CHECK((name.starts_with("r.sqlite") || name.starts_with("s.sqlite")));
         }
     }
+    // Where not even the tables of a new file find room there is no file.
+    for (const std::string& words :
+         {std::string("participant p.sqlite P1 --new"), "merge m.sqlite '" + file + "'",
+          std::string("simulate shape_friction_demo --participants 1 --db s.sqlite"),
+          std::string("run shape_friction_demo --participant P2 --headless --db r.sqlite")}) {
+        CAPTURE(words);
+        const TemporaryFolder empty;
+        const Finished end = Process({"bash", "-c",
+                                      "cd '" + empty.path().string() + "' && ulimit -f 8 && '" +
+                                          palpate_program() + "' " + words})
+                                 .wait();
+        CAPTURE(end.out);
+        check_end(end, 1, Has("the disk"));
+        CHECK(empty.names().empty());
+    }
 }

@@ -129,6 +129,52 @@ TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere"
     ran(words(file));
 }
 
+TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string moved = folder.file("moved.sqlite");
+    const auto running = run_to_third(file);
+    await_log(file);
+    running->ended_by(SIGKILL);
+    std::filesystem::rename(file, moved);
+    std::filesystem::remove(file + "-shm");
+    const std::string log = slurp(file + "-wal");
+    REQUIRE_FALSE(log.empty());
+    for (const Words& begins :
+         {words(file), Words{"verify", file}, Words{"participant", file, "P1", "--new"}, Words{"merge", file, moved},
+          Words{"simulate", "shape_friction_demo", "--participants", "1", "--db", file}}) {
+        for (const bool empty : {false, true}) {
+            if (empty && begins.front() == "simulate") {
+                continue;  // it makes another file, and puts that in its place
+            }
+            CAPTURE(begins, empty);
+            std::filesystem::remove(file);
+            if (empty) {
+                write(file, "");
+            }
+            check_end(palpate_command(begins), 2, Has("d.sqlite-wal beside it is the log"));
+            CHECK(slurp(file + "-wal") == log);
+            CHECK(std::filesystem::exists(file) == empty);
+        }
+    }
+    std::filesystem::remove(file);
+    std::filesystem::rename(moved, file);
+    ran(words(file));
+    ran({"verify", file});
+}
+
+TEST_CASE("what a crash left is exported, with the log beside it", "[crash][export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    ran(words(file));
+    const auto running = run_to_third(file, "P2", "\n#12 ");
+    await_log(file);
+    running->ended_by(SIGKILL);
+    ran({"export", file, "--kind", "all", "-o", folder.file("shared")});
+    ran({"report", file, "--kind", "simulated", "-o", folder.file("report.html")});
+}
+
 TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place",
           "[crash][law]") {
     const TemporaryFolder folder;

@@ -214,3 +214,34 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
         CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.at(1)));
     }
 }
+
+TEST_CASE("sessions become another's all or none, whoever reads what is said", "[repair][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    for (const char* number : {"1", "2", "3"}) {
+        ran({"run", kFourTrials, "--participant", "P1", "--session", number, "--db", file,
+             "--headless"});
+    }
+    ran({"participant", file, "P2", "--new"});
+    const auto move = [&](const std::string& from, const std::string& to) {
+        return Process(joined({"bash", "-c", "\"$0\" \"$@\" 2>&1 | true"},
+                              command_of({"participant", file, from, "--is-really", to, "--reason",
+                                          "badge"})))
+            .wait();
+    };
+    const auto whose = [&] {
+        return sql_lines(file,
+                         "SELECT participant_code || session_number FROM session JOIN participant "
+                         "USING (participant_id) ORDER BY session_id");
+    };
+    static_cast<void>(move("P1", "P2"));
+    CHECK(whose() == "P21\nP22\nP23\n");
+    static_cast<void>(move("P2", "P1"));
+    CHECK(whose() == "P11\nP12\nP13\n");
+    // What is kept for ever says something.
+    for (const Words& words : {Words{"session", file, "P1", "1", "--withdraw", " "},
+                               {"participant", file, "P1", "--is-really", "P2", "--reason", " "},
+                               {"mark", file, "1", "--invalid", " "}}) {
+        check_end(palpate_command(words), 2, Has("is empty: say it in a few words"));
+    }
+}

@@ -7,6 +7,12 @@
 
 namespace {
 
+std::string copy_of(const std::string& file, const std::string& to) {
+    data::Database(file, data::Access::write).checkpoint();
+    std::filesystem::copy_file(file, to, std::filesystem::copy_options::overwrite_existing);
+    return to;
+}
+
 /// A participant with one session, and what is noted of them.
 struct Study {
     TemporaryFolder folder;
@@ -18,10 +24,7 @@ struct Study {
     }
     /// A copy of `from`, which another rig goes on with.
     [[nodiscard]] std::string copy(const std::string& name, const std::string& from) const {
-        data::Database(from, data::Access::write).checkpoint();
-        const std::string to = folder.file(name);
-        std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
-        return to;
+        return copy_of(from, folder.file(name));
     }
     [[nodiscard]] std::string noted(const std::string& name, const std::string& from) const {
         const std::string file = copy(name, from);
@@ -253,4 +256,51 @@ TEST_CASE("simulated people of one code and two secrets are two people, and a me
     CHECK(left_of(all) == "0,0,\n");
     CHECK_THAT(ran({"merge", both, other}, 1).error, Has("two people of one code"));
     CHECK(left_of(both) == "14,0,\n");
+}
+
+TEST_CASE("a yes after a refusal stands against copies from between, whoever had a session then",
+          "[repair][merge][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran({"participant", file, "P1", "--new"});
+    const auto note = [&](const std::string& consent) {
+        ran({"participant", file, "P1", "--consent", consent});
+    };
+    const auto now = [](const std::string& of) {
+        return sql_lines(of, "SELECT consent FROM participant");
+    };
+    Words copies;
+    for (int i = 0; i < 3; ++i) {
+        note("no");
+        copies.push_back(copy_of(file, folder.file(fmt::format("no{}.sqlite", i))));
+        note("yes");
+        if (i == 1) {  // of whom everything is destroyed refuses, too
+            ran({"run", kFourTrials, "--participant", "P1", "--db", file, "--headless"});
+            ran({"participant", file, "P1", "--destroy", "everything", "--yes"});
+            copies.push_back(copy_of(file, folder.file("destroyed.sqlite")));
+            note("yes");
+        }
+    }
+    for (const std::string& copy : copies) {
+        CAPTURE(copy);
+        ran({"merge", file, copy});
+        CHECK(now(file) == "1\n");
+        const std::string other = folder.file("other.sqlite");
+        ran({"merge", other, copy});
+        CHECK(now(other) == "0\n");
+        ran({"merge", other, file});
+        CHECK(now(other) == "1\n");
+        ran({"merge", other, copy});  // what it heard of, it goes on to know
+        CHECK(now(other) == "1\n");
+        ran({"verify", other});
+        std::filesystem::remove(other);
+    }
+    // A refusal that the file has not heard of stands, whenever it was.
+    const std::string rig = folder.file("rig.sqlite");
+    ran({"participant", rig, "P1", "--new", "--consent", "no"});
+    sql_edit(rig,
+             "UPDATE participant SET consent_utc = '2000-01-01T00:00:00.000Z', refusals_utc = "
+             "'2000-01-01T00:00:00.000Z'");
+    ran({"merge", file, rig});
+    CHECK(now(file) == "0\n");
 }

@@ -94,6 +94,18 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
                Has("0 sessions new, 0 went on, 4 as before"));
 
     CHECK_THAT(ran({"verify", one}).out, Has("Nothing differs."));
+
+    // Somebody of them wanted to be destroyed, the first or another.
+    for (const char* code : {"S000001", "S000003"}) {
+        for (std::size_t i = 4; i < merge.size(); ++i) {
+            if (sql_csv(merge[i], "SELECT participant_code FROM participant").find(code) !=
+                std::string::npos) {
+                ran({"participant", merge[i], code, "--destroy", "everything", "--yes"});
+            }
+        }
+        fs::remove(folder.file("all.sqlite"));
+        CHECK_THAT(ran(merge).out, Has("4 sessions new"));
+    }
 }
 
 TEST_CASE("a simulation follows no link that somebody laid beside its file, and removes no other's",

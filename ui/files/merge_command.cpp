@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 
@@ -37,14 +38,17 @@ void declare(CommandWords& words, MergeOptions& options) {
               "or of a participant at one time");
 }
 
+/// What was destroyed on request has neither provenance nor end.
 constexpr const char* kShard =
     "SELECT participant_code, session_kind, session_number, protocol_sha256, seed, secret, "
     "max(iif(key = 'build id', value, '')), max(iif(key = ?1, value, '')), max(iif(key = ?2, "
-    "value, '')), finished FROM session JOIN study USING (study_id) JOIN participant USING "
-    "(participant_id) LEFT JOIN session_provenance USING (session_id) GROUP BY session.session_id";
+    "value, '')), finished, withdrawn_reason IS NOT NULL AND max(session_provenance.key) IS NULL "
+    "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) LEFT JOIN "
+    "session_provenance USING (session_id) GROUP BY session.session_id";
 constexpr const char* kAlike[] = {
     "kind of sessions", "number of sessions",    "protocol", "seed", "secret", "build of palpate",
     "observer",         "choice of --no-traces", "end"};
+constexpr int kOfSessions = 5;  ///< of them those that a destroyed one still has
 
 /// What the files of one simulation hold.
 class Shards {
@@ -64,15 +68,14 @@ public:
                 refuse(fmt::format("{}: {} is none of shard {}/{}", file, code, number,
                                    found_.size()));
             }
-            std::vector<std::string> words;
-            for (int column = 1; column < row.columns(); ++column) {
-                words.push_back(row.text(column));
-            }
-            alike_ = alike_.empty() ? words : alike_;
-            const auto other = std::ranges::mismatch(alike_, words).in1 - alike_.begin();
-            if (other < std::ssize(words)) {
-                refuse(fmt::format("{}: {} has another {} than the shards before", file, code,
-                                   kAlike[other]));
+            const int last = row.columns() - 1;
+            const int known = row.integer(last) != 0 ? kOfSessions : last - 1;
+            for (int i = 0; i < known; ++i) {
+                const auto [there, is_new] = alike_.emplace(kAlike[i], row.text(i + 1));
+                if (!is_new && there->second != row.text(i + 1)) {
+                    refuse(fmt::format("{}: {} has another {} than the shards before", file, code,
+                                       kAlike[i]));
+                }
             }
             ++found_[number];
             people_ = std::max(people_, index + 1);
@@ -97,9 +100,9 @@ private:
             what + ": nothing was merged; simulate all shards with the same words");
     }
 
-    std::vector<std::size_t> found_;  ///< participants in each
-    std::vector<std::string> alike_;  ///< kAlike of the first
-    std::size_t people_ = 0;          ///< in all shards, by the greatest code
+    std::vector<std::size_t> found_;            ///< participants in each
+    std::map<std::string, std::string> alike_;  ///< kAlike, of the first that has it
+    std::size_t people_ = 0;                    ///< in all shards, by the greatest code
 };
 
 /// @throws std::invalid_argument for one that is by its name of another number of shards

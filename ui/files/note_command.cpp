@@ -8,6 +8,7 @@
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/noted_file.hpp"
 #include "ui/live/live_segment.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
@@ -33,17 +34,6 @@ struct MarkOptions {
     std::string undo;             ///< why
     std::string operator_name{};  ///< empty: nobody is named
 };
-
-/// Only a database that is there: nothing is to be made for a wrong name.
-data::Database open_there(const std::string& file) {
-    { const data::Database there(file, data::Access::inspect); }
-    return {file, data::Access::write};
-}
-
-void require_text(const std::string& text, std::string_view what) {
-    refuse_if(text.find_first_not_of(" \t\r\n") == std::string::npos,
-              "{} is empty: say it in a few words", what);
-}
 
 /// The session meant: the last one begun, of the only study in question.
 data::SessionRow session_of(data::Database& database, const NoteOptions& options) {

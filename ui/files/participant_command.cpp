@@ -11,6 +11,7 @@
 #include "data/store/repairs.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/noted_file.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/session_choice.hpp"
@@ -104,22 +105,28 @@ void declare(CommandWords& words, ParticipantOptions& options) {
 int give_away(data::Database& database, const ParticipantOptions& options) {
     check_participant(options.really, "--is-really");
     refuse_if(options.reason.empty(), "--is-really: give --reason TEXT as well: it is kept");
+    require_text(options.reason, "--reason");
     auto sessions =
         data::sessions_of(database, options.participant, options.session, options.study);
     refuse_if(sessions.empty(), "{}: {} has no such session", options.database,
               options.participant);
-    for (auto session = sessions.rbegin(); session != sessions.rend(); ++session) {
-        const data::MovedSession moved = data::move_session(
-            database, session->id, options.really, {options.reason, options.operator_name});
+    std::ranges::reverse(sessions);  // in the order in which they began
+    std::vector<std::int64_t> ids;
+    for (const data::SessionRow& session : sessions) {
+        ids.push_back(session.id);
+    }
+    const auto moved =
+        data::move_sessions(database, ids, options.really, {options.reason, options.operator_name});
+    for (std::size_t i = 0; i < moved.size(); ++i) {
         say("Session {} of {}, study {}, is session {} of {}.{}\nSeal {}: note it in the lab "
             "book.\n",
-            session->number, options.participant, plain(session->study), moved.number,
+            sessions[i].number, options.participant, plain(sessions[i].study), moved[i].number,
             options.really,
-            moved.finished || moved.as_run
+            moved[i].finished || moved[i].as_run
                 ? ""
                 : " It is not finished, and does not go on unless it is moved back to the code and "
                   "number with which it was run.",
-            moved.head);
+            moved[i].head);
     }
     return 0;
 }
@@ -194,10 +201,11 @@ int run(const ParticipantOptions& options) {
     }
     check_participant(options.participant, "the participant");
     const data::ParticipantNotes notes = notes_of(options);
-    if (!options.registers) {  // nothing is to be made for a wrong name
-        const data::Database there(options.database, data::Access::inspect);
-    }
-    data::Database database(options.database, data::Access::write);  // of an older schema, too
+    data::Database database = options.registers
+                                ? data::Database(options.database, data::Access::write)
+                            : takes_notes(options) || !options.really.empty()
+                                ? open_there(options.database)
+                                : data::Database(options.database, data::Access::read);
     if (const std::string newest = data::newest_note(database);
         takes_notes(options) && newest > database.utc_now()) {
         say_to(stderr, fmt::format("warning: the clock says {}, and what was noted last in {} was "

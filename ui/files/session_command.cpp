@@ -5,6 +5,7 @@
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/noted_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -49,10 +50,11 @@ data::SessionRow session_of(data::Database& database, const SessionOptions& opti
 int run(const SessionOptions& options) {
     refuse_if(options.withdraw.empty() == options.undo.empty(),
               "give --withdraw REASON, or --undo REASON to take a withdrawal back");
-    { const data::Database there(options.database, data::Access::read); }
-    data::Database database(options.database, data::Access::write);
-    const data::SessionRow session = session_of(database, options);
     const bool undo = !options.undo.empty();
+    require_text(undo ? options.undo : options.withdraw,
+                 undo ? "the reason of --undo" : "the reason of --withdraw");
+    data::Database database = open_there(options.database);
+    const data::SessionRow session = session_of(database, options);
     const std::string head =
         undo ? data::undo_withdrawal(database, session.id, {options.undo, options.operator_name})
              : data::withdraw_session(database, session.id,

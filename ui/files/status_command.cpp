@@ -127,11 +127,9 @@ Json studies_of(data::Database& database) {
 }
 
 std::string listed(const Json& names) {
-    std::string text;
-    for (const Json& name : names) {
-        text += (text.empty() ? "" : ", ") + name.get<std::string>();
-    }
-    return text.empty() ? "nobody" : text;
+    return names.empty()
+             ? "nobody"
+             : fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), ", "));
 }
 
 std::string orders_text(const char* of, const Json& rows) {

@@ -322,6 +322,7 @@ SimulationEnd simulate(const SimulationSpec& spec) {
     if (fs::exists(spec.file, unknown) && whole(spec, spec.file)) {
         return SimulationEnd::was_there;
     }
+    data::require_not_elsewhere(spec.file.string());
     const fs::path kept = spec.file.string() + ".partial";
     const fs::path growing = growing_file(spec, kept);
     if (growing != kept && fs::exists(kept, unknown) && !fs::exists(growing, unknown)) {
