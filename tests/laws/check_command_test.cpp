@@ -23,6 +23,11 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
     }
 }
 
+TEST_CASE("new says what comes next as a shell takes it", "[cli][law]") {
+    const TemporaryFolder folder;
+    CHECK_THAT(ran({"new", folder.file("two words.toml")}).out, Has("/two words.toml'\n"));
+}
+
 TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
     const TemporaryFolder folder;
     CHECK_THAT(ran({"new", folder.file("a.toml"), "--from", "shape"}, 2).error,
