@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -76,25 +75,25 @@ void append_given(std::string& text, std::string_view name, const Table& table) 
     }
 }
 
-/// The text of a procedure file as a part of a protocol: the keys of its [procedure] first, without
-/// that heading, then its other tables as [procedure.model], [[procedure.staircase]], ...
-std::string nested_in_protocol(std::string_view procedure_text) {
-    std::istringstream lines{std::string(procedure_text)};
+/// The tables of a rule as a procedure file has them.
+/// @param around  of a protocol: "procedure.", whose own heading stands already
+std::string rule_text(const Table& file, std::string_view around = "") {
     std::string text;
-    bool begun = false;
-    for (std::string line; std::getline(lines, line);) {
-        if (line == "[procedure]") {
-            begun = true;
+    for (const std::string_view name : kOrder) {
+        const Entry* entry = find(file, name);
+        if (entry == nullptr) {
             continue;
         }
-        if (!begun) {
-            continue;  // the format and the empty line after it
+        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
+            const bool stands = !around.empty() && name == "procedure";
+            text += stands ? "" : fmt::format("\n[{}{}]\n", around, name);
+            append_given(text, name, *table);
+        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
+            for (const Value& value : *array) {
+                text += fmt::format("\n[[{}{}]]\n", around, name);
+                append_given(text, name, std::get<Table>(value.data));
+            }
         }
-        const std::size_t name = line.find_first_not_of('[');
-        if (name != 0 && name != std::string::npos) {
-            line.insert(name, "procedure.");
-        }
-        text += line + '\n';
     }
     return text;
 }
@@ -156,23 +155,7 @@ Entries entries_of(std::string_view text) {
 }  // namespace
 
 std::string procedure_text(const Table& file) {
-    std::string text = fmt::format("format = {}\n", kProcedureFormat);
-    for (const std::string_view name : kOrder) {
-        const Entry* entry = find(file, name);
-        if (entry == nullptr) {
-            continue;
-        }
-        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
-            text += fmt::format("\n[{}]\n", name);
-            append_given(text, name, *table);
-        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
-            for (const Value& value : *array) {
-                text += fmt::format("\n[[{}]]\n", name);
-                append_given(text, name, std::get<Table>(value.data));
-            }
-        }
-    }
-    return text;
+    return fmt::format("format = {}\n", kProcedureFormat) + rule_text(file);
 }
 
 std::string to_toml(const Protocol& protocol) {
@@ -193,7 +176,7 @@ std::string to_toml(const Protocol& protocol) {
     append(text, "[response]", protocol.response);
     if (protocol.procedure) {
         append(text, "[procedure]", *protocol.procedure);
-        text += nested_in_protocol(protocol.procedure->rule.text);
+        text += rule_text(parse_document(protocol.procedure->rule.text, "procedure"), "procedure.");
         for (const RunSpec& run : protocol.runs) {
             append(text, "[[run]]", run);
         }
