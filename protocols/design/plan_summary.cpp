@@ -20,6 +20,11 @@ std::size_t longest_run(const std::vector<Condition>& order, std::size_t Conditi
     return longest;
 }
 
+double practice_trials(const Plan& plan) {
+    return static_cast<double>(
+        std::ranges::count(plan.trials, Phase::practice, &PlannedTrial::phase));
+}
+
 /// Of the proposals of one way, how many keep the limits; and what that makes of all shuffles.
 Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
     constexpr std::uint64_t kProposals = 100'000;
@@ -83,12 +88,19 @@ Duration duration_of(const Plan& plan, const Protocol& protocol) {
         std::count_if(plan.trials.begin(), plan.trials.end(),
                       [](const PlannedTrial& trial) { return trial.break_before; }));
     const auto intervals = static_cast<double>(intervals_of(protocol));
-    const double around = intervals * (2.0 * protocol.apparatus.force_ramp + timing.gap);
+    const double told = protocol.response.feedback == Feedback::all      ? trials
+                      : protocol.response.feedback == Feedback::practice ? practice_trials(plan)
+                                                                         : 0.0;
+    const double ramps = 2.0 * protocol.apparatus.force_ramp;
     const double person = intervals * kReadySeconds + kChoiceSeconds;
-    const double pause = breaks * timing.break_min;
-    return {.shortest = trials * (intervals * timing.explore_min + around) + pause,
-            .prompted = trials * (intervals * timing.explore_prompt + around + person) + pause,
-            .longest = trials * (intervals * timing.explore_timeout + around + person) + pause};
+    const double between = breaks * timing.break_min + told * kFeedbackSeconds +
+                           std::max(trials * intervals - 1.0 - breaks, 0.0) * timing.gap;
+    const auto felt_for = [&](double seconds) {
+        return trials * intervals * (seconds + ramps) + between;
+    };
+    return {.shortest = felt_for(timing.explore_min),
+            .prompted = felt_for(timing.explore_prompt) + trials * person,
+            .longest = felt_for(timing.explore_timeout) + trials * person};
 }
 
 std::optional<double> acceptance_of_one(std::span<const Condition> trials,

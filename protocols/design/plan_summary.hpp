@@ -40,6 +40,9 @@ struct PlanSummary {
 inline constexpr double kReadySeconds = 2.0;   ///< to bring the handle to the start pose
 inline constexpr double kChoiceSeconds = 3.0;  ///< to choose among the pictures
 
+/// How long the screen says right or wrong, s.
+inline constexpr double kFeedbackSeconds = 1.0;
+
 /// How long a session takes, s, without instructions and without trials that are run again.
 struct Duration {
     double shortest = 0.0;  ///< every trial felt for explore_min, no time for ready and choice
@@ -47,7 +50,8 @@ struct Duration {
     double longest = 0.0;   ///< every trial felt until explore_timeout, else as prompted
 };
 
-/// A trial is ready + force in + explore + force out + choice + gap; a break is break_min.
+/// A trial is ready + force in + explore + force out + choice, and feedback where it is given. A
+/// break, break_min, or a gap stands between two of them.
 [[nodiscard]] Duration duration_of(const Plan& plan, const Protocol& protocol);
 
 /// What share of all shuffles keeps the run limits.

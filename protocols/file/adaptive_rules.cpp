@@ -42,18 +42,11 @@ std::string one_of(std::string_view unknown, const std::vector<Spec>& specs) {
     return suggestion(unknown, names, fmt::format(": give {}", fmt::join(names, " or ")));
 }
 
-/// Where everything in a value stands, down to the last key.
-void note_places(const Value& value, const std::string& path, Places& places) {
-    places.note(path, value.at);
-    if (const auto* table = std::get_if<Table>(&value.data)) {
-        for (const Entry& entry : *table) {
-            note_places(entry.value, path + '.' + entry.key, places);
-        }
-    } else if (const auto* array = std::get_if<Array>(&value.data)) {
-        for (std::size_t i = 0; i < array->size(); ++i) {
-            note_places((*array)[i], fmt::format("{}.{}", path, i + 1), places);
-        }
-    }
+/// What the standard interval has of what the rule varies, in the rule's unit.
+double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
+    return varies == Varies::mu         ? friction.mu_s
+         : varies == Varies::compliance ? 1e3 * object.compliance
+                                        : object.curvature;
 }
 
 class AdaptiveRules : RuleCheck {
@@ -79,12 +72,13 @@ public:
                 compliances();
         }
         practice();
+        standards();
     }
 
 private:
     void runs() {
-        add_if(protocol_.runs.size() > kMaxRuns, "run.1", "there are {} runs: give 1 to {}",
-               protocol_.runs.size(), kMaxRuns);
+        add_if(protocol_.runs.empty() || protocol_.runs.size() > kMaxRuns, "run",
+               "there are {} runs: give 1 to {} [[run]] tables", protocol_.runs.size(), kMaxRuns);
         std::set<std::string_view> seen;
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const RunSpec& run = protocol_.runs[i];
@@ -210,18 +204,41 @@ private:
                spec_.lowest, spec_.highest);
     }
 
-    [[nodiscard]] std::string lowest() const { return "procedure." + spec_.lowest_key; }
-    [[nodiscard]] std::string highest() const { return "procedure." + spec_.highest_key; }
+    /// Of two intervals the greater one is asked for: a rule that takes the comparison for it must
+    /// not choose the standard, or less.
+    void standards() {
+        if (intervals_of(protocol_) != 2 || !spec_.one_sided) {
+            return;
+        }
+        const bool of_mu = spec_.varies == Varies::mu;
+        const double least = felt_value(spec_, spec_.lowest);
+        for (const RunSpec& run : protocol_.runs) {
+            const bool same =
+                run.standard_friction.empty() || run.standard_friction == run.friction;
+            const FrictionSpec* friction =
+                named(protocol_.frictions, same ? run.friction : run.standard_friction);
+            const ObjectSpec* object = named(protocol_.objects, spec_.object);
+            if (friction == nullptr || object == nullptr || !(of_mu || same)) {
+                continue;  // said already; or another friction may move what is felt as equal
+            }
+            const double standard = standard_of(spec_.varies, *friction, *object);
+            if (add_if(!(least > standard), lowest(),
+                       "the rule may choose a {} of {}, and that of the standard is {}: it would "
+                       "take a right answer for a wrong one; keep it above the standard, by lowest",
+                       of_mu                                ? "mu_s"
+                       : spec_.varies == Varies::compliance ? "compliance"
+                                                            : "curvature",
+                       least, standard)) {
+                return;
+            }
+        }
+    }
+
+    [[nodiscard]] const std::string& lowest() const { return spec_.lowest_key; }
+    [[nodiscard]] const std::string& highest() const { return spec_.highest_key; }
 
     const AdaptiveSpec& spec_;
 };
-
-/// What the standard interval has of what the rule varies, in the rule's unit.
-double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
-    return varies == Varies::mu         ? friction.mu_s
-         : varies == Varies::compliance ? 1e3 * object.compliance
-                                        : object.curvature;
-}
 
 }  // namespace
 
@@ -241,7 +258,6 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
         (table ? file : key ? of_rule : own).push_back(one);
     }
     AdaptiveSpec& spec = protocol.procedure.emplace();
-    note_places(entry.value, "procedure", places);
     TableReader reader(own, "procedure", entry.at, problems, places);
     reader.fill(spec);
     reader.refuse_unknown();
@@ -249,7 +265,7 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
                     .at = entry.at,
                     .value = {.at = entry.value.at, .data = std::move(of_rule)}});
     Problems of_rule_alone;
-    std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone);
+    std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone, places);
     problems.take(std::move(of_rule_alone));
     if (!rule) {
         return;
@@ -264,37 +280,6 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
 
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {
     AdaptiveRules(protocol, places, problems).check();
-}
-
-void check_standards(const Protocol& protocol, const Places& places, Problems& problems) {
-    const AdaptiveSpec& spec = *protocol.procedure;
-    if (intervals_of(protocol) != 2 || !spec.one_sided) {
-        return;
-    }
-    const bool of_mu = spec.varies == Varies::mu;
-    const double least = felt_value(spec, spec.lowest);
-    for (const RunSpec& run : protocol.runs) {
-        const bool same = run.standard_friction.empty() || run.standard_friction == run.friction;
-        const FrictionSpec* friction =
-            named(protocol.frictions, same ? run.friction : run.standard_friction);
-        const ObjectSpec* object = named(protocol.objects, spec.object);
-        if (friction == nullptr || object == nullptr || !(of_mu || same)) {
-            continue;  // said already; or another friction may move what is felt as equal
-        }
-        const double standard = standard_of(spec.varies, *friction, *object);
-        if (!(least > standard)) {
-            problems.add(
-                places.of("procedure." + spec.lowest_key),
-                fmt::format(
-                    "the rule may choose a {} of {}, and that of the standard is {}: it would take "
-                    "a right answer for a wrong one; keep it above the standard, by lowest",
-                    of_mu                               ? "mu_s"
-                    : spec.varies == Varies::compliance ? "compliance"
-                                                        : "curvature",
-                    least, standard));
-            return;
-        }
-    }
 }
 
 }  // namespace palpate::protocols

@@ -2,7 +2,7 @@
 #include <functional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/refuse.hpp"
 #include "protocols/file/calibration_keys.hpp"
@@ -18,8 +18,8 @@ namespace palpate::protocols {
 namespace {
 
 template <class Record>
-std::string table_of() {
-    return TableSchema(keys_of<Record>()).text();
+Json table_of() {
+    return table_schema(keys_of<Record>());
 }
 
 /// Those of `all` that are not among `some`.
@@ -33,51 +33,52 @@ Names without(const Names& all, const Names& some) {
     return rest;
 }
 
-void put_format(TableSchema& file, std::int64_t format) {
-    file.put("format",
-             fmt::format(R"({{"const": {}, "description": "the version of the format"}})", format),
-             true);
+void put_format(Json& file, std::int64_t format) {
+    put(file, "format", {{"const", format}, {"description", "the version of the format"}}, true);
 }
 
-std::string segment_schema(Keys keys) {
-    TableSchema segment;
-    segment.add(keys.first(1)).add(keys.subspan(1), false);
+Json segment_schema(Keys keys) {
+    Json segment = table_schema(keys.first(1));
+    add(segment, keys.subspan(1), false);
     const Names all = names_of(keys.subspan(1));
     using enum stimuli::Segment::Kind;
     for (const auto kind : {nurbs, line, arc}) {
         const Keys own = keys_of_segment(kind);
-        segment.rule(json_when(says("kind", {word_of(kind)}),
-                               needs(required_of(own), without(all, names_of(own)))));
+        rule(segment, json_when(says("kind", {word_of(kind)}),
+                                needs(required_of(own), without(all, names_of(own)))));
     }
-    return segment.text();
+    return segment;
 }
 
 /// One object by itself, of two curves or of segments; or a set of several.
-std::string object_schema() {
+Json object_schema() {
     const auto tables = object_reference();
     const Keys set = tables.at(0).keys;
     const Keys ladder = tables.at(1).keys;
-    TableSchema object;
-    object.add(keys_of<ObjectSpec>(), false).add(set, false).add(ladder, false);
-    object.put("segment", json_list(segment_schema(tables.at(2).keys), 1, kMaxSegments));
+    Json object = table_schema();
+    for (const Keys keys : {keys_of<ObjectSpec>(), set, ladder}) {
+        add(object, keys, false);
+    }
+    put(object, "segment", json_list(segment_schema(tables.at(2).keys), 1, kMaxSegments));
     Names of_sets = names_of(set);
     const Names of_ladders = names_of(ladder);
     of_sets.insert(of_sets.end(), of_ladders.begin(), of_ladders.end());
-    object.rule(json_when(needs({"set"}),
-                          both(needs({}, {"name", "curvature_per_m", "segment"}),
-                               json_when(says("set", {"curvature_ladder"}), needs(of_ladders),
-                                         needs({}, of_ladders))),
-                          both(needs(required_of(keys_of<ObjectSpec>()), of_sets),
-                               fmt::format(R"({{"oneOf": [{}, {}]}})", needs({"curvature_per_m"}),
-                                           needs({"segment"})))));
-    return object.text();
+    rule(object,
+         json_when(
+             needs({"set"}),
+             both(needs({}, {"name", "curvature_per_m", "segment"}),
+                  json_when(says("set", {"curvature_ladder"}), needs(of_ladders),
+                            needs({}, of_ladders))),
+             both(needs(required_of(keys_of<ObjectSpec>()), of_sets),
+                  {{"oneOf", Json::array({needs({"curvature_per_m"}), needs({"segment"})})}})));
+    return object;
 }
 
 /// Each law with the keys that it needs, without those that it does not read.
 /// @param as_gos   more words, that read what gos reads
 /// @param or_none  no law is gos
-std::string friction_schema(Keys keys, const Names& as_gos = {}, bool or_none = false) {
-    TableSchema friction(keys);
+Json friction_schema(Keys keys, const Names& as_gos = {}, bool or_none = false) {
+    Json friction = table_schema(keys);
     Names laws = as_gos;
     for (const LawKeys& law : friction_laws()) {
         laws.push_back(law.law);
@@ -94,53 +95,57 @@ std::string friction_schema(Keys keys, const Names& as_gos = {}, bool or_none = 
         if (law.relaxes) {
             words.insert(words.end(), as_gos.begin(), as_gos.end());
         }
-        friction.rule(
-            json_when(says("law", words, or_none && law.relaxes), needs(needed, refused)));
+        rule(friction,
+             json_when(says("law", words, or_none && law.relaxes), needs(needed, refused)));
     }
-    return friction.among("law", laws).text();
+    among(friction, "law", laws);
+    return friction;
 }
 
 /// Of each parameter weights, or a normal prior.
-std::string prior_schema() {
-    TableSchema prior;
+Json prior_schema() {
+    const Json normal = {
+        {"type", "object"},
+        {"properties",
+         {{"mean", {{"type", "number"}}}, {"sd", {{"type", "number"}, {"exclusiveMinimum", 0}}}}},
+        {"required", Json::array({"mean", "sd"})},
+        {"additionalProperties", false}};
+    const Json weights = json_list({{"type", "number"}, {"minimum", 0}});
+    Json prior = table_schema();
     for (const Key& key : procedure_keys("prior")) {
-        prior.put(key.name,
-                  R"({"anyOf": [{"type": "array", "items": {"type": "number", "minimum": 0}}, )"
-                  R"({"type": "object", "properties": {"mean": {"type": "number"}, "sd": )"
-                  R"({"type": "number", "exclusiveMinimum": 0}}, "required": ["mean", "sd"], )"
-                  R"("additionalProperties": false}], "description": )"
-                  R"("a weight for each value, or mean and sd of a normal prior"})");
+        put(prior, key.name,
+            {{"anyOf", Json::array({weights, normal})},
+             {"description", "a weight for each value, or mean and sd of a normal prior"}});
     }
-    return prior.text();
+    return prior;
 }
 
-std::string model_schema() {
+Json model_schema() {
     const Keys keys = procedure_keys("model");
-    TableSchema model;
-    model.add(keys, false);
+    Json model = table_schema();
+    add(model, keys, false);
     const Keys function = keys.subspan(1, keys.size() - 2);
     const Keys items = keys.last(1);
-    return model
-        .rule(json_when(says("kind", {word_of(ModelKind::identification)}),
-                        needs(required_of(items), names_of(function)),
-                        needs(required_of(function), names_of(items))))
-        .text();
+    rule(model, json_when(says("kind", {word_of(ModelKind::identification)}),
+                          needs(required_of(items), names_of(function)),
+                          needs(required_of(function), names_of(items))));
+    return model;
 }
 
 /// The tables of a rule, put beside its keys: in a file [procedure] has the keys alone.
-void put_rule_tables(TableSchema& to) {
+void put_rule_tables(Json& to) {
     for (const char* name : {"constant", "quest", "stimuli", "parameters"}) {
-        to.put(name, TableSchema(procedure_keys(name)).text());
+        put(to, name, table_schema(procedure_keys(name)));
     }
-    to.put("staircase", json_list(TableSchema(procedure_keys("staircase")).text(), 1));
-    to.put("model", model_schema());
-    to.put("prior", prior_schema());
-    to.put("stream", TableSchema(procedure_keys("stream")).text());
+    put(to, "staircase", json_list(table_schema(procedure_keys("staircase")), 1));
+    put(to, "model", model_schema());
+    put(to, "prior", prior_schema());
+    put(to, "stream", table_schema(procedure_keys("stream")));
 }
 
 /// What follows from the kind of a rule. @param where  wraps the schema of the table with `kind`
 template <class Where>
-void add_rule_kinds(TableSchema& to, const Where& where) {
+void add_rule_kinds(Json& to, const Where& where) {
     Names all_tables;
     for (const RuleKind kind :
          {RuleKind::constant, RuleKind::staircase, RuleKind::quest, RuleKind::quest_plus}) {
@@ -153,30 +158,30 @@ void add_rule_kinds(TableSchema& to, const Where& where) {
         const Names own = tables_of_rule(kind);
         const Names needed = without(own, {"prior"});
         const Names other_keys = without(all_keys, names_of(keys_of_rule(kind)));
-        to.rule(
-            json_when(where(says("kind", {kWordsOf<RuleKind>.at(i)})),
-                      both(where(needs({}, other_keys)), needs(needed, without(all_tables, own)))));
+        rule(to, json_when(
+                     where(says("kind", {kWordsOf<RuleKind>.at(i)})),
+                     both(where(needs({}, other_keys)), needs(needed, without(all_tables, own)))));
     }
 }
 
-std::string adaptive_schema() {
-    TableSchema procedure(keys_of<AdaptiveSpec>());
-    procedure.add(procedure_keys("procedure"));
+Json adaptive_schema() {
+    Json procedure = table_schema(keys_of<AdaptiveSpec>());
+    add(procedure, procedure_keys("procedure"));
     put_rule_tables(procedure);
     add_rule_kinds(procedure, std::identity());
-    return procedure.text();
+    return procedure;
 }
 
-std::string instructions_schema() {
-    TableSchema languages;
+Json instructions_schema() {
+    Json languages = table_schema();
     for (const std::string_view language : kLanguages) {
-        languages.put(language, table_of<InstructionTexts>());
+        put(languages, language, table_of<InstructionTexts>());
     }
-    return languages.text();
+    return languages;
 }
 
 /// [design] alone, or [procedure] with [[run]] and the breaks of [design].
-std::string design_or_procedure() {
+Json design_or_procedure() {
     const Keys design = keys_of<DesignSpec>();
     Names needed;
     for (const Key& key : design) {
@@ -191,94 +196,93 @@ std::string design_or_procedure() {
         both(needs({"design"}, {"run"}), where_given("design", needs(needed))));
 }
 
-TableSchema protocol_schema() {
-    TableSchema file;
+Json protocol_schema() {
+    Json file = table_schema();
     put_format(file, kFormat);
-    file.put("study", table_of<Protocol>(), true)
-        .put("apparatus", table_of<ApparatusSpec>())
-        .put("outline", table_of<OutlineSpec>())
-        .put("surface", table_of<SurfaceSpec>())
-        .put("object", json_list(object_schema(), 1, kMaxObjects), true)
-        .put("friction", json_list(friction_schema(keys_of<FrictionSpec>()), 1, kMaxFrictions),
-             true)
-        .put("safety", table_of<SafetySpec>())
-        .put("invalid", table_of<InvalidSpec>())
-        .put("exclusion", table_of<ExclusionSpec>())
-        .put("analysis", table_of<AnalysisSpec>())
-        .put("design", table_of<DesignSpec>())
-        .put("timing", table_of<TimingSpec>())
-        .put("response", table_of<ResponseSpec>())
-        .put("procedure", adaptive_schema())
-        .put("run", json_list(table_of<RunSpec>(), 1, kMaxRuns))
-        .put("observer", table_of<ObserverSpec>())
-        .put("masking", table_of<MaskingSpec>())
-        .put("instructions", instructions_schema())
-        .rule(design_or_procedure());
+    put(file, "study", table_of<Protocol>(), true);
+    put(file, "apparatus", table_of<ApparatusSpec>());
+    put(file, "outline", table_of<OutlineSpec>());
+    put(file, "surface", table_of<SurfaceSpec>());
+    put(file, "object", json_list(object_schema(), 1, kMaxObjects), true);
+    put(file, "friction", json_list(friction_schema(keys_of<FrictionSpec>()), 1, kMaxFrictions),
+        true);
+    put(file, "safety", table_of<SafetySpec>());
+    put(file, "invalid", table_of<InvalidSpec>());
+    put(file, "exclusion", table_of<ExclusionSpec>());
+    put(file, "analysis", table_of<AnalysisSpec>());
+    put(file, "design", table_of<DesignSpec>());
+    put(file, "timing", table_of<TimingSpec>());
+    put(file, "response", table_of<ResponseSpec>());
+    put(file, "procedure", adaptive_schema());
+    put(file, "run", json_list(table_of<RunSpec>(), 1, kMaxRuns));
+    put(file, "observer", table_of<ObserverSpec>());
+    put(file, "masking", table_of<MaskingSpec>());
+    put(file, "instructions", instructions_schema());
+    rule(file, design_or_procedure());
     return file;
 }
 
-TableSchema procedure_schema() {
-    TableSchema file;
+Json procedure_schema() {
+    Json file = table_schema();
     put_format(file, kProcedureFormat);
-    file.put("procedure", TableSchema(procedure_keys("procedure")).text(), true);
+    put(file, "procedure", table_schema(procedure_keys("procedure")), true);
     put_rule_tables(file);
-    add_rule_kinds(file,
-                   [](const std::string& schema) { return where_given("procedure", schema); });
+    add_rule_kinds(file, [](const Json& schema) { return where_given("procedure", schema); });
     return file;
 }
 
-TableSchema scene_schema() {
+Json scene_schema() {
     const auto tables = scene_reference();
     const auto keys = [&](std::size_t i) {
         return tables.at(i).keys;
     };
-    TableSchema renderer(keys(0));
-    renderer.add(keys(1), false)
-        .rule(json_when(says("tracker", {"feedback", "feed_forward", "feedback_linearised"}),
-                        needs({"gain"}), needs({}, {"gain"})));
-    TableSchema file;
-    file.put("renderer", renderer.text())
-        .put("friction",
-             friction_schema(keys(2), Names(kThesisLaws.begin(), kThesisLaws.end()), true))
-        .put("segment", json_list(segment_schema(keys(3))))
-        .put("surface", json_list(TableSchema(keys(4)).text()))
-        .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"segment"}), needs({"surface"})));
+    Json renderer = table_schema(keys(0));
+    add(renderer, keys(1), false);
+    rule(renderer, json_when(says("tracker", {"feedback", "feed_forward", "feedback_linearised"}),
+                             needs({"gain"}), needs({}, {"gain"})));
+    Json file = table_schema();
+    put(file, "renderer", renderer);
+    put(file, "friction",
+        friction_schema(keys(2), Names(kThesisLaws.begin(), kThesisLaws.end()), true));
+    put(file, "segment", json_list(segment_schema(keys(3))));
+    put(file, "surface", json_list(table_schema(keys(4))));
+    rule(file, {{"anyOf", Json::array({needs({"segment"}), needs({"surface"})})}});
     return file;
 }
 
-std::string machine_schema(bool gantry) {
+Json machine_schema(bool gantry) {
     const auto tables = machine_tables(gantry);
-    TableSchema machine(tables.front().keys);
+    Json machine = table_schema(tables.front().keys);
     for (const MachineTable& part : tables.subspan(1)) {
-        machine.put(part.name, TableSchema(part.keys).text(), part.required);
+        put(machine, part.name, table_schema(part.keys), part.required);
     }
-    return machine.text();
+    return machine;
 }
 
-TableSchema calibration_schema() {
-    TableSchema record(kRecordKeys.any);
-    record.add(kRecordKeys.linkage, false);
+Json calibration_schema() {
+    Json record = table_schema(kRecordKeys.any);
+    add(record, kRecordKeys.linkage, false);
     const Names axes{"axis_x", "axis_y", "axis_z"};
     for (const std::string_view axis : axes) {
-        record.put(axis, TableSchema(kRecordKeys.axis).text());
+        put(record, axis, table_schema(kRecordKeys.axis));
     }
-    record.rule(json_when(needs({"axis_x"}), needs(axes, names_of(kRecordKeys.linkage)),
-                          needs(required_of(kRecordKeys.linkage), axes)));
-    TableSchema file;
+    rule(record, json_when(needs({"axis_x"}), needs(axes, names_of(kRecordKeys.linkage)),
+                           needs(required_of(kRecordKeys.linkage), axes)));
+    Json file = table_schema();
     put_format(file, 1);
-    file.put("pantograph", json_list(machine_schema(false)))
-        .put("gantry", json_list(machine_schema(true)))
-        .put("commissioning", record.text())
-        .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"pantograph"}), needs({"gantry"})));
+    put(file, "pantograph", json_list(machine_schema(false)));
+    put(file, "gantry", json_list(machine_schema(true)));
+    put(file, "commissioning", record);
+    rule(file, {{"anyOf", Json::array({needs({"pantograph"}), needs({"gantry"})})}});
     return file;
 }
 
-TableSchema observer_schema() {
-    TableSchema file;
+Json observer_schema() {
+    Json file = table_schema();
     put_format(file, 1);
     for (const TableText& table : observer_reference()) {
-        file.put(std::string_view(table.heading).substr(1, table.heading.size() - 2),
-                 TableSchema(table.keys).text());
+        put(file, std::string_view(table.heading).substr(1, table.heading.size() - 2),
+            table_schema(table.keys));
     }
     return file;
 }
@@ -286,17 +290,16 @@ TableSchema observer_schema() {
 }  // namespace
 
 std::string json_schema(std::string_view kind) {
-    using Make = TableSchema (*)();
+    using Make = Json (*)();
     constexpr std::array<Make, kSchemaKinds.size()> kMakers{
         protocol_schema, procedure_schema, scene_schema, calibration_schema, observer_schema};
     const auto found = std::ranges::find(kSchemaKinds, kind);
     refuse_if(found == kSchemaKinds.end(), "there is no schema of {}: give one of {}", kind,
               fmt::join(kSchemaKinds, ", "));
-    const TableSchema schema = kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))();
-    return schema.text(fmt::format(R"("$schema": "https://json-schema.org/draft/2020-12/schema", )"
-                                   R"("title": "palpate: {}", )",
-                                   kind)) +
-           "\n";
+    Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                   {"title", fmt::format("palpate: {}", kind)}};
+    schema.update(kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))());
+    return schema.dump(1) + "\n";
 }
 
 }  // namespace palpate::protocols

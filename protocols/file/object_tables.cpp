@@ -8,6 +8,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/geometry/outline.hpp"
 #include "protocols/file/keys.hpp"
+#include "protocols/procedure/grid.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -32,8 +33,6 @@ WordList words_of(SetTable::Set) {
 }
 
 constexpr Range kCurvature{.min = -1000.0, .max = 1000.0};
-/// The largest coordinate, m: the squares of distances to farther places would overflow or round
-/// away.
 
 using enum Need;
 
@@ -95,12 +94,7 @@ std::vector<double> curvatures_of(const SetTable& set) {
         case SetTable::Set::curvature_ladder:
             break;
     }
-    std::vector<double> curvatures;
-    for (std::size_t i = 0; i < set.count; ++i) {
-        const double share = static_cast<double>(i) / static_cast<double>(set.count - 1);
-        curvatures.push_back(i + 1 == set.count ? set.to : set.from + share * (set.to - set.from));
-    }
-    return curvatures;
+    return evenly(set.from, set.to, set.count);
 }
 
 void read_ladder(TableReader& table, SetTable& set) {

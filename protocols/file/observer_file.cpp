@@ -80,6 +80,20 @@ std::array<Part, 6> parts_of(ObserverModel& model) {
              {"hand", "how they feel", kHand, &model.hand}}};
 }
 
+/// @param explained  with what tables and keys mean
+std::string tables_text(ObserverModel model, bool explained) {
+    std::string text = fmt::format("format = {}\n", kObserverFormat);
+    for (const Part& part : parts_of(model)) {
+        text += fmt::format("\n[{}]", part.name);
+        text += explained ? fmt::format("  # {}\n", part.remark) : "\n";
+        for (const Key& key : part.keys) {
+            text += explained ? fmt::format("# {} ({})\n", key.meaning, range_of(key.range)) : "";
+            text += toml_lines({&key, 1}, part.record);
+        }
+    }
+    return text;
+}
+
 }  // namespace
 
 ObserverModel parse_observer(std::string_view text, std::string_view file_name) {
@@ -107,13 +121,7 @@ ObserverModel load_observer(const std::filesystem::path& file) {
 }
 
 std::string observer_text(const ObserverModel& model) {
-    ObserverModel copy = model;
-    std::string text = fmt::format("format = {}\n", kObserverFormat);
-    for (const Part& part : parts_of(copy)) {
-        text += fmt::format("\n[{}]\n", part.name);
-        text += toml_lines(part.keys, part.record);
-    }
-    return text;
+    return tables_text(model, false);
 }
 
 ObserverModel typical_observer() {
@@ -134,19 +142,10 @@ ObserverModel typical_observer() {
 }
 
 std::string observer_example() {
-    ObserverModel model = typical_observer();
-    std::string text = fmt::format(
-        "# Simulated participants, for palpate simulate and palpate power. What is left out is as "
-        "a person without that.\nformat = {}\n",
-        kObserverFormat);
-    for (const Part& part : parts_of(model)) {
-        text += fmt::format("\n[{}]  # {}\n", part.name, part.remark);
-        for (const Key& key : part.keys) {
-            text += fmt::format("# {} ({})\n{}", key.meaning, range_of(key.range),
-                                toml_lines({&key, 1}, part.record));
-        }
-    }
-    return text;
+    return "# Simulated participants, for palpate simulate and palpate power. What is left out is "
+           "as a "
+           "person without that.\n" +
+           tables_text(typical_observer(), true);
 }
 
 std::vector<TableText> observer_reference() {

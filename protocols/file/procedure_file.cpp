@@ -28,10 +28,10 @@ constexpr Key kWeights{.name = "", .slot = [](void* r) -> Slot { return static_c
 
 class FileReader {
 public:
-    FileReader(const Table& file, Problems& problems)
-        : file_(file), problems_(problems), top_(file, "", {}, problems, places_, "the file") {}
+    FileReader(const Table& file, Problems& problems, Places& places)
+        : file_(file), problems_(problems), top_(file, "", {}, problems, places, "the file") {}
 
-    ProcedureFile read(std::string_view file_name) {
+    Procedure read(std::string_view file_name) {
         top_.check_format(kProcedureFormat);
         problems_.throw_if_any(file_name);
         std::optional<ProcedureSpec> spec = read_rule();
@@ -40,7 +40,7 @@ public:
         std::optional<Procedure> ready;
         attempt([&] { ready.emplace(*spec, random); });
         problems_.throw_if_any(file_name);
-        return {std::move(*spec), std::move(ready.value())};
+        return std::move(ready.value());
     }
 
     /// The rule, tried once.
@@ -60,7 +60,8 @@ private:
         } catch (const std::invalid_argument& e) {
             Position at = main_;
             for (const Entry& entry : file_) {
-                if (const auto* table = std::get_if<Table>(&entry.value.data)) {
+                const auto* table = std::get_if<Table>(&entry.value.data);
+                if (table != nullptr && entry.key != "prior") {  // it has names of [parameters]
                     at = spoken_of(*table, e.what(), at);
                 }
             }
@@ -94,7 +95,7 @@ private:
         return std::nullopt;
     }
 
-    /// The table `name`, empty if it is not there.
+    /// The table `name`; empty if it is not there, and then what it lacks is said at [procedure].
     TableReader section(std::string_view name) {
         const Entry* entry = find(file_, name);
         const auto* table = entry == nullptr ? nullptr : std::get_if<Table>(&entry->value.data);
@@ -103,7 +104,12 @@ private:
                                                  kind_of(entry->value), name));
         }
         return top_.of(table == nullptr ? empty_ : *table, std::string(name),
-                       entry == nullptr ? Position{} : entry->at);
+                       entry == nullptr ? place_of_rule() : entry->at);
+    }
+
+    [[nodiscard]] Position place_of_rule() const {
+        const Entry* rule = find(file_, "procedure");
+        return rule == nullptr ? Position{} : rule->at;
     }
 
     /// A table that says what a record holds.
@@ -117,7 +123,7 @@ private:
 
     void check_tables() {
         std::vector<std::string_view> used = tables_of_rule(rule_.kind);
-        main_ = Position{};
+        main_ = place_of_rule();
         if (const Entry* entry =
                 find(file_, rule_.kind == RuleKind::psi || rule_.kind == RuleKind::quest_plus
                                 ? std::string_view("parameters")
@@ -273,24 +279,31 @@ private:
     std::vector<double> read_prior(TableReader& table, const Axis& axis) {
         const Entry* entry = find(table.table(), axis.name);
         std::vector<double> weights;
-        const auto* given = entry == nullptr ? nullptr : std::get_if<Table>(&entry->value.data);
-        if (given == nullptr) {
+        if (entry == nullptr) {
+            return weights;
+        }
+        if (const auto* given = std::get_if<Table>(&entry->value.data)) {
+            TableReader reader = top_.of(*given, "prior." + axis.name, entry->value.at, axis.name);
+            NormalPrior prior;
+            reader.read_last(kNormalPrior, &prior);
+            for (const double value : axis.values) {
+                const double z = (value - prior.mean) / prior.sd;
+                weights.push_back(exponential(-0.5 * z * z));
+            }
+        } else {
             Key key = kWeights;
             key.name = axis.name;
             table.read({&key, 1}, &weights);
-            if (entry != nullptr && !table.broken() && weights.size() != axis.values.size()) {
-                table.refuse(axis.name, fmt::format("the prior of {} has {} weights: give {}, one "
-                                                    "for each value",
-                                                    axis.name, weights.size(), axis.values.size()));
-            }
-            return weights;
         }
-        TableReader reader = top_.of(*given, "prior." + axis.name, entry->value.at, axis.name);
-        NormalPrior prior;
-        reader.read_last(kNormalPrior, &prior);
-        for (const double value : axis.values) {
-            const double z = (value - prior.mean) / prior.sd;
-            weights.push_back(exponential(-0.5 * z * z));
+        if (!table.broken() && weights.size() != axis.values.size()) {
+            table.refuse(axis.name, fmt::format("the prior of {} has {} weights: give {}, one "
+                                                "for each value",
+                                                axis.name, weights.size(), axis.values.size()));
+        } else if (!table.broken() && std::ranges::max(weights) <= 0.0) {
+            table.refuse(axis.name, fmt::format("the prior of {} is 0 at each of its {}: give "
+                                                "weights that are not all of them 0, or a mean "
+                                                "and sd nearer to them",
+                                                axis.name, counted(axis.values.size(), "value")));
         }
         return weights;
     }
@@ -323,7 +336,6 @@ private:
     const Table& file_;
     Table empty_;
     Problems& problems_;
-    Places places_;
     TableReader top_;
     RuleTable rule_;
     Position main_;  ///< of the table to which problems of the whole are put down
@@ -353,17 +365,18 @@ Keys keys_of_rule(RuleKind kind) {
     return procedure_keys("procedure").subspan(1, more);
 }
 
-ProcedureFile parse_procedure(std::string_view text, std::string_view file_name) {
+Procedure parse_procedure(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);
     Problems problems;
-    return FileReader(file, problems).read(file_name);
+    Places places;
+    return FileReader(file, problems, places).read(file_name);
 }
 
-std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems) {
-    return FileReader(file, problems).rule();
+std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems, Places& places) {
+    return FileReader(file, problems, places).rule();
 }
 
-ProcedureFile load_procedure(const std::filesystem::path& file) {
+Procedure load_procedure(const std::filesystem::path& file) {
     return parse_procedure(read_text(file, kMaxDocument), file.string());
 }
 

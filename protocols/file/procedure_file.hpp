@@ -16,21 +16,14 @@
 /// say, key by key: procedure_key_reference(). Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
-/// What a file says, and the rule as it begins.
-struct ProcedureFile {
-    /// Purpose "procedure"; empty texts unless a recorded run is replayed.
-    ProcedureSpec spec;
-    Procedure procedure;  ///< of both
-};
-
 /// Reads a procedure file. Past this door the grids fit the model, the tables fit into memory and
 /// the procedure is ready for its first trial.
 /// @param file_name  for messages only
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
-[[nodiscard]] ProcedureFile parse_procedure(std::string_view text, std::string_view file_name);
+[[nodiscard]] Procedure parse_procedure(std::string_view text, std::string_view file_name);
 
 /// parse_procedure of a file's text. @throws ProtocolError also if the file cannot be read
-[[nodiscard]] ProcedureFile load_procedure(const std::filesystem::path& file);
+[[nodiscard]] Procedure load_procedure(const std::filesystem::path& file);
 
 /// All keys for people: table, key, range, default, meaning; one line a key, tables as headings.
 [[nodiscard]] std::string procedure_key_reference();
@@ -100,8 +93,10 @@ using AxesTable = std::array<std::vector<double>, 9>;
 [[nodiscard]] Keys keys_of_rule(RuleKind kind);
 
 /// The rule in the tables of a procedure file, wherever they stand; [stream] is not looked at.
-/// Nothing if there are problems.
-[[nodiscard]] std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems);
+/// Nothing if there are problems. @param places  gets those of all that was read
+[[nodiscard]] std::optional<ProcedureSpec> read_procedure(const Table& file,
+                                                          Problems& problems,
+                                                          Places& places);
 
 /// The tables as a procedure file: keys in the order of their rows, numbers as short as they can
 /// be. Read and written again it is the same text. [stream] is left out.

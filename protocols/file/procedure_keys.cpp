@@ -44,7 +44,7 @@ constexpr Key kStream[]{
 
 constexpr Key kConstant[]{
     {.name = "stimuli", .slot = at<&ConstantStimuliSpec::values>, .need = required, .form = Form::axis,
-     .meaning = "every value that is shown"},
+     .meaning = "every value that is shown, in any order; one that stands twice is shown twice as often"},
     {.name = "repetitions", .slot = at<&ConstantStimuliSpec::repetitions>, .range = kCount,
      .meaning = "of each value"},
     {.name = "in_blocks", .slot = at<&ConstantStimuliSpec::in_blocks>,

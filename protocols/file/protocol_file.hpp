@@ -24,9 +24,7 @@ namespace palpate::protocols {
 /// @throws ProtocolError
 [[nodiscard]] Protocol parse_protocol(std::string_view text, std::string_view file_name);
 
-/// parse_protocol() of a text that a database keeps: what was let in when its session began stays
-/// readable, so that rules of taste which came later (a rule that may choose the standard itself)
-/// do not apply.
+/// parse_protocol() of a text that a database keeps.
 [[nodiscard]] Protocol stored_protocol(std::string_view text);
 
 /// parse_protocol of a file's text. @throws ProtocolError also if the file cannot be read

@@ -206,28 +206,21 @@ private:
     TableReader top_;
 };
 
-Protocol parse(std::string_view text, std::string_view file_name, bool stored) {
+}  // namespace
+
+Protocol parse_protocol(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);
     Problems problems;
     Places places;
     Protocol protocol = Stage(file, problems, places).read();
     problems.throw_if_any(file_name);
     check_rules(protocol, places, problems);
-    if (!stored && protocol.procedure) {
-        check_standards(protocol, places, problems);
-    }
     problems.throw_if_any(file_name);
     return protocol;
 }
 
-}  // namespace
-
-Protocol parse_protocol(std::string_view text, std::string_view file_name) {
-    return parse(text, file_name, false);
-}
-
 Protocol stored_protocol(std::string_view text) {
-    return parse(text, "study.protocol_toml", true);
+    return parse_protocol(text, "study.protocol_toml");
 }
 
 Protocol load_protocol(const std::filesystem::path& file) {

@@ -165,6 +165,7 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
                                    key, shown(entry->value), key, key));
         return readers;
     }
+    places_->note(std::string(key), entry->value.at);
     for (std::size_t i = 0; i < array->size(); ++i) {
         const Value& value = (*array)[i];
         if (const auto* table = std::get_if<Table>(&value.data)) {

@@ -61,8 +61,4 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
 /// What [procedure], [[run]], [response], [design], objects and frictions need of each other.
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems);
 
-/// Of two intervals the greater one is asked for: a rule that takes the comparison for it must not
-/// choose the standard, or less.
-void check_standards(const Protocol& protocol, const Places& places, Problems& problems);
-
 }  // namespace palpate::protocols

@@ -196,7 +196,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 31> kUnits{
      {"_db", "dB"},
      {"_bits", "bit"},
      {"_g_cm2", "g cm^2"},
-     {"handle_g", "g"},
+     {"_g", "g"},
      {"_adc", "ADC value"},
      {"_j", "J"},
      {"_n", "N"},

@@ -4,66 +4,44 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "protocols/file/schema.hpp"
 
-/// Private to protocols/file: rows of keys as JSON Schema, in text.
+/// Private to protocols/file: rows of keys as JSON Schema.
 namespace palpate::protocols {
 
+/// A schema; members stay in their order.
+using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string_view>;
 
-/// Words as a JSON array of strings.
-[[nodiscard]] std::string json_words(const Names& words);
-/// All these are schemas.
-[[nodiscard]] std::string json_when(std::string_view condition,
-                                    std::string_view then,
-                                    std::string_view otherwise = "true");
-[[nodiscard]] std::string both(std::string_view one, std::string_view other);
-/// Schema of an array of such items. @param max  0: any number
-[[nodiscard]] std::string json_list(std::string_view item,
-                                    std::size_t least = 0,
-                                    std::size_t max = 0);
+/// What holds by a condition; all three are schemas.
+[[nodiscard]] Json json_when(Json condition, Json then, Json otherwise);
+[[nodiscard]] Json json_when(Json condition, Json then);
+[[nodiscard]] Json both(Json one, Json other);
+/// Of an array of such items. @param max  0: any number
+[[nodiscard]] Json json_list(Json item, std::size_t least = 0, std::size_t max = 0);
 
-/// Schema of a table in which these keys have to be, and those must not be.
-[[nodiscard]] std::string needs(const Names& needed, const Names& refused = {});
+/// Of a table in which these keys have to be, and those must not be.
+[[nodiscard]] Json needs(const Names& needed, const Names& refused = {});
 /// Of a table whose key is such, or left out.
-[[nodiscard]] std::string where_given(std::string_view key, std::string_view is_such);
+[[nodiscard]] Json where_given(std::string_view key, Json is_such);
 /// Of a table whose key is one of these words. @param or_none  also if it is left out
-[[nodiscard]] std::string says(std::string_view key, const Names& words, bool or_none = false);
+[[nodiscard]] Json says(std::string_view key, const Names& words, bool or_none = false);
 
 [[nodiscard]] Names names_of(Keys keys);
 /// Those of them that have to be there.
 [[nodiscard]] Names required_of(Keys keys);
 
-/// The schema of one table.
-class TableSchema {
-public:
-    TableSchema() = default;
-    explicit TableSchema(Keys keys) { add(keys); }
-
-    /// @param complete  required ones must be there
-    TableSchema& add(Keys keys, bool complete = true);
-    /// A key or table by its schema; a key that is there already gets it instead of its own type.
-    TableSchema& put(std::string_view name, std::string schema, bool required = false);
-    /// A text that is one of these words: its meaning stays.
-    TableSchema& among(std::string_view name, const Names& words);
-    /// Another schema that holds for the table as well.
-    TableSchema& rule(std::string schema);
-
-    /// Keys that were not named are refused. @param first  members before its own
-    [[nodiscard]] std::string text(std::string_view first = {}) const;
-
-private:
-    struct Property {
-        std::string name{};
-        std::string type{};   ///< members of its schema: what it may be
-        std::string about{};  ///< and what it means
-        std::string whole{};  ///< instead: JSON as it stands
-    };
-    Property& property(std::string_view name);
-
-    std::vector<Property> properties_;
-    Names required_;
-    std::vector<std::string> rules_;
-};
+/// The schema of a table: keys that were not named are refused.
+[[nodiscard]] Json table_schema(Keys keys = {});
+/// More keys of it. @param complete  required ones must be there
+void add(Json& table, Keys keys, bool complete = true);
+/// A key or table by its schema; a key that is there already gets it instead of its own.
+void put(Json& table, std::string_view name, Json schema, bool required = false);
+/// A text that is one of these words: its default and meaning stay.
+void among(Json& table, std::string_view name, const Names& words);
+/// Another schema that holds for the table as well.
+void rule(Json& table, Json schema);
 
 }  // namespace palpate::protocols

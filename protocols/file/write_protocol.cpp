@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <map>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -77,25 +75,25 @@ void append_given(std::string& text, std::string_view name, const Table& table) 
     }
 }
 
-/// The text of a procedure file as a part of a protocol: the keys of its [procedure] first, without
-/// that heading, then its other tables as [procedure.model], [[procedure.staircase]], ...
-std::string nested_in_protocol(std::string_view procedure_text) {
-    std::istringstream lines{std::string(procedure_text)};
+/// The tables of a rule as a procedure file has them.
+/// @param around  of a protocol: "procedure.", whose own heading stands already
+std::string rule_text(const Table& file, std::string_view around = "") {
     std::string text;
-    bool begun = false;
-    for (std::string line; std::getline(lines, line);) {
-        if (line == "[procedure]") {
-            begun = true;
+    for (const std::string_view name : kOrder) {
+        const Entry* entry = find(file, name);
+        if (entry == nullptr) {
             continue;
         }
-        if (!begun) {
-            continue;  // the format and the empty line after it
+        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
+            const bool stands = !around.empty() && name == "procedure";
+            text += stands ? "" : fmt::format("\n[{}{}]\n", around, name);
+            append_given(text, name, *table);
+        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
+            for (const Value& value : *array) {
+                text += fmt::format("\n[[{}{}]]\n", around, name);
+                append_given(text, name, std::get<Table>(value.data));
+            }
         }
-        const std::size_t name = line.find_first_not_of('[');
-        if (name != 0 && name != std::string::npos) {
-            line.insert(name, "procedure.");
-        }
-        text += line + '\n';
     }
     return text;
 }
@@ -122,76 +120,42 @@ void append_objects(std::string& text, const Protocol& protocol) {
 
 using Entries = std::vector<std::pair<std::string, std::string>>;  // "friction.rough mu_d", "0.4"
 
-/// Lines of the canonical text: a table, or a key with its whole value.
-class Reader {
-public:
-    Entries entries;
-
-    void take(std::string_view line) {
-        const std::size_t equals = line.find(" = ");
-        if (line.starts_with("[[")) {
-            list_ = line.substr(2, line.find(']') - 2);
-            table_ = fmt::format("{}.{}", list_, ++tables_[list_]);
-        } else if (line.starts_with('[')) {
-            table_ = line.substr(1, line.find(']') - 1);
-            const bool inner = !name_.empty() && table_.starts_with(list_ + ".");
-            table_ = inner ? name_ + table_.substr(list_.size()) : table_;
-            name_ = inner ? name_ : "";
-        } else if (equals != std::string_view::npos && !line.starts_with(' ')) {
-            take_value(line.substr(0, equals), line.substr(equals + 3));
-        } else if (!line.empty() && !entries.empty()) {  // a value of several lines
-            entries.back().second += fmt::format(" {}", line);
+/// All that a table says. Tables of a list are known by their name, else by their number.
+/// @param called  what the table is; empty: the file
+void add_entries(const Table& table, const std::string& called, Entries& entries) {
+    for (const Entry& entry : table) {
+        const std::string inner = called.empty() ? entry.key : called + '.' + entry.key;
+        const auto* array = std::get_if<Array>(&entry.value.data);
+        if (const auto* one = std::get_if<Table>(&entry.value.data)) {
+            add_entries(*one, inner, entries);
+        } else if (array != nullptr && !array->empty() &&
+                   std::holds_alternative<Table>(array->front().data)) {
+            for (std::size_t i = 0; i < array->size(); ++i) {
+                const auto& item = std::get<Table>((*array)[i].data);
+                const Entry* name = find(item, "name");
+                add_entries(item,
+                            fmt::format("{}.{}", inner,
+                                        name == nullptr ? std::to_string(i + 1)
+                                                        : std::get<std::string>(name->value.data)),
+                            entries);
+            }
+        } else {
+            entries.emplace_back(called.empty() ? entry.key : called + ' ' + entry.key,
+                                 value_text(entry.value, true));
         }
     }
-
-private:
-    void take_value(std::string_view key, std::string_view value) {
-        if (key == "name" && !list_.empty() && table_.starts_with(list_ + ".")) {
-            const std::string_view bare = value.size() >= 2 && value.front() == '"'
-                                            ? value.substr(1, value.size() - 2)
-                                            : value;
-            table_ = name_ = fmt::format("{}.{}", list_, bare);
-        }
-        entries.emplace_back(table_.empty() ? std::string(key) : fmt::format("{} {}", table_, key),
-                             value);
-    }
-
-    std::string list_;   ///< of the table that was read last, if it is one of a list
-    std::string table_;  ///< as it is called
-    std::string name_;   ///< of the list's table, for tables inside it
-    std::map<std::string, int> tables_;
-};
+}
 
 Entries entries_of(std::string_view text) {
-    Reader reader;
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        reader.take(text.substr(0, end));
-        text.remove_prefix(std::min(end + 1, text.size()));
-    }
-    return std::move(reader.entries);
+    Entries entries;
+    add_entries(parse_document(text, "study.protocol_toml"), "", entries);
+    return entries;
 }
 
 }  // namespace
 
 std::string procedure_text(const Table& file) {
-    std::string text = fmt::format("format = {}\n", kProcedureFormat);
-    for (const std::string_view name : kOrder) {
-        const Entry* entry = find(file, name);
-        if (entry == nullptr) {
-            continue;
-        }
-        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
-            text += fmt::format("\n[{}]\n", name);
-            append_given(text, name, *table);
-        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
-            for (const Value& value : *array) {
-                text += fmt::format("\n[[{}]]\n", name);
-                append_given(text, name, std::get<Table>(value.data));
-            }
-        }
-    }
-    return text;
+    return fmt::format("format = {}\n", kProcedureFormat) + rule_text(file);
 }
 
 std::string to_toml(const Protocol& protocol) {
@@ -212,7 +176,7 @@ std::string to_toml(const Protocol& protocol) {
     append(text, "[response]", protocol.response);
     if (protocol.procedure) {
         append(text, "[procedure]", *protocol.procedure);
-        text += nested_in_protocol(protocol.procedure->rule.text);
+        text += rule_text(parse_document(protocol.procedure->rule.text, "procedure"), "procedure.");
         for (const RunSpec& run : protocol.runs) {
             append(text, "[[run]]", run);
         }

@@ -1,38 +1,14 @@
 #include "protocols/order/order_counter.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <ranges>
 
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
 namespace palpate::protocols {
 namespace {
-
-constexpr std::size_t kWord = 32;  // bits of a random number
-
-std::size_t words_of(const Natural& n) {
-    return (bits_of(n) + kWord - 1) / kWord;
-}
-
-/// The highest three words of a number as a double, and the power of 2 to multiply it with.
-struct ScaledNumber {
-    double leading = 0.0;
-    int exponent = 0;
-};
-
-ScaledNumber scaled(const Natural& n) {
-    const std::size_t words = words_of(n);
-    ScaledNumber result;
-    std::size_t below = words * kWord;
-    for (std::size_t i = 0; i < 3 && below > 0; ++i) {
-        below -= kWord;
-        const auto word = static_cast<std::uint32_t>((n >> below) & 0xFFFFFFFFU);
-        result.leading = result.leading * 0x1p32 + word;
-    }
-    result.exponent = static_cast<int>(below);
-    return result;
-}
 
 /// The different levels of a factor, in order.
 std::vector<std::size_t> levels_of(std::span<const Condition> trials,
@@ -95,15 +71,15 @@ std::size_t bits_of(const Natural& n) {
 }
 
 double share_of(const Natural& part, const Natural& whole) {
-    const ScaledNumber some = scaled(part);
-    const ScaledNumber all = scaled(whole);
-    return std::ldexp(some.leading / all.leading, some.exponent - all.exponent);
+    using Wide = boost::multiprecision::cpp_bin_float_50;  // of any size
+    return static_cast<double>(Wide(part) / Wide(whole));
 }
 
 Natural draw_below(const Natural& n, Pcg32& random) {
-    const Natural last = n - 1;
-    const std::size_t words = words_of(last);
-    const std::size_t unused = words * kWord - bits_of(last);
+    constexpr std::size_t kWord = 32;  // bits of a random number
+    const std::size_t bits = bits_of(n - 1);
+    const std::size_t words = (bits + kWord - 1) / kWord;
+    const std::size_t unused = words * kWord - bits;
     for (;;) {
         Natural drawn;
         for (std::size_t i = 0; i < words; ++i) {

@@ -174,10 +174,11 @@ ConstrainedOrder OrderSampler::draw(Pcg32& random) {
             }
         }
     }
-    throw OrderError(
-        fmt::format("none of {} orders drawn of {} trials kept the run limits ({}): allow longer "
-                    "runs, 0 for no limit, or divide the trials into blocks",
-                    attempts, trials_.size(), text_of(limits_)));
+    throw OrderError(fmt::format(
+        "none of {} orders drawn of {} trials kept the run limits ({}): allow longer "
+        "runs, 0 for no limit{}",
+        attempts, trials_.size(), text_of(limits_),
+        limits_.words == RunLimits{}.words ? ", or divide the trials into blocks" : ""));
 }
 
 OrderSampler::Proposal OrderSampler::propose(OrderWay way, Pcg32& random) {

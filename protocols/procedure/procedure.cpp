@@ -151,7 +151,7 @@ RuleFacts facts(const std::vector<StaircaseSpec>& specs) {
     for (std::size_t i = 0; i < specs.size(); ++i) {
         const StaircaseSpec& spec = specs[i];
         refuse_if(spec.trials == 0 || spec.reversals != 0,
-                  "the staircase {} ends {}: a session's plan is complete before its first trial; "
+                  "staircase {} ends {}: a session's plan is complete before its first trial; "
                   "give trials and no reversals",
                   spec.name, spec.reversals != 0 ? "by reversals" : "never");
         all.trials += spec.trials;

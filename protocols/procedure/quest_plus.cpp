@@ -80,7 +80,7 @@ CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisan
     for (const std::string& name : nuisance) {
         const auto axes = parameters.axes();
         refuse_if(std::ranges::find(axes, name, &Axis::name) == axes.end(),
-                  "the nuisance {} is no parameter of the model: delete it", name);
+                  "nuisance {} is no parameter of the model: delete it", name);
     }
     CellGroups groups{.of = std::vector<std::uint32_t>(parameters.size()), .count = 1};
     bool any = false;
@@ -98,7 +98,7 @@ CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisan
                 static_cast<std::uint32_t>(groups.of[cell] * size + parameters.index(cell, k));
         }
     }
-    refuse_if(!any, "every parameter is a nuisance: leave one out of the list");
+    refuse_if(!any, "nuisance names every parameter: leave one out of the list");
     return groups;
 }
 

@@ -115,7 +115,7 @@ void check(const PsychometricFunction& f) {
               "the guess rate is {} and the lapse rate {}: give shares from 0 to below 1", f.guess,
               f.lapse);
     refuse_if(bottom(f) >= top(f),
-              "guesses and lapses leave nothing between {} and {}: give smaller rates", bottom(f),
+              "lapse and guess leave nothing between {} and {}: give smaller rates", bottom(f),
               top(f));
 }
 

@@ -6,7 +6,8 @@ BEGIN {
     links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::NETTLE PkgConfig::COMEDI" \
                     " Eigen3::Eigen"
     links["stimuli"] = "palpate::engine"
-    links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers"
+    links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers" \
+                         " nlohmann_json::nlohmann_json"
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::NETTLE PkgConfig::PQ Boost::headers" \
                     " PostgreSQL::PostgreSQL palpate::xxhash Eigen3::Eigen" \
                     " nlohmann_json::nlohmann_json"

@@ -30,7 +30,7 @@ BEGIN {
     where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
     where["libmicrohttpd"] = "ui/console"
-    where["nlohmann"] = "data/csv data/export data/analysis data/fit data/inference data/choice data/page data/tables ui"
+    where["nlohmann"] = "protocols/file data/csv data/export data/analysis data/fit data/inference data/choice data/page data/tables ui"
     # Curves that yield; nothing that a tick computes.
     where["Eigen"] = "engine/deformation data/statistics"
     # Of a library that is slow to compile, or is loaded late: which file of a folder includes it.

@@ -30,18 +30,17 @@ TEST_CASE("every kind of procedure file is read", "[procedure_file]") {
         CAPTURE(text);
         CHECK(problems(text) == "accepted");
     }
-    const ProcedureFile file = parse_procedure(kStaircases, "p.toml");
-    CHECK(file.procedure.estimates()[0].name == "low");
-    CHECK(file.procedure.estimates()[1].name == "staircase_2");
-    CHECK(parse_procedure(file_of("identification"), "p.toml").procedure.outcomes() == 5);
-    CHECK(parse_procedure(file_of("covariate"), "p.toml").procedure.stimulus_names() ==
+    const Procedure file = parse_procedure(kStaircases, "p.toml");
+    CHECK(file.estimates()[0].name == "low");
+    CHECK(file.estimates()[1].name == "staircase_2");
+    CHECK(parse_procedure(file_of("identification"), "p.toml").outcomes() == 5);
+    CHECK(parse_procedure(file_of("covariate"), "p.toml").stimulus_names() ==
           std::vector<std::string>{"stimulus", "covariate"});
-    CHECK(parse_procedure(kPsi, "p.toml").procedure.estimates()[1].name == "log10_slope");
+    CHECK(parse_procedure(kPsi, "p.toml").estimates()[1].name == "log10_slope");
 }
 
 TEST_CASE("a procedure file gives what the same spec gives", "[procedure_file][law]") {
-    const ProcedureFile file = parse_procedure(kStaircases, "p.toml");
-    Procedure read = file.procedure;
+    Procedure read = parse_procedure(kStaircases, "p.toml");
     Procedure made(std::vector<StaircaseSpec>{{.name = "low",
                                                .start = 4.0,
                                                .steps_up = {2.0, 1.0},
@@ -69,7 +68,7 @@ TEST_CASE("a level given by steps is the decimal number that one would write",
           "[procedure_file][law]") {
     const std::string text =
         replaced(file_of("constant"), "[1, 2, 3, 4]", "{ from = -0.3, to = 0.6, step = 0.1 }");
-    Procedure read = parse_procedure(text, "p.toml").procedure;
+    Procedure read = parse_procedure(text, "p.toml");
     std::set<double> levels;
     for (; !read.finished(); read.update(read.next(), 0)) {
         levels.insert(read.next().at(0));
@@ -132,7 +131,7 @@ TEST_CASE("no procedure file, however broken, does more than be refused line by 
         const std::string text = broken(std::string(kAll[seed % kAll.size()]), random, 30);
         CAPTURE(seed, text);
         try {
-            Procedure procedure = parse_procedure(text, "p.toml").procedure;
+            Procedure procedure = parse_procedure(text, "p.toml");
             ++accepted;
             if (!procedure.finished()) {
                 procedure.update(procedure.next(), 1);

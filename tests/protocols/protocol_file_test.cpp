@@ -268,11 +268,19 @@ TEST_CASE("a protocol that does not ship is refused with those that do", "[proto
 
 TEST_CASE("the duration adds what every trial and every break take", "[duration]") {
     // By hand: 114 trials, breaks before the main phase and after 20, 40, 60, 80 and 100 of 104: 6.
-    // Around the exploration: 2 * 0.2 s of ramp, 1.5 s of gap, 2 s to get ready, 3 s to choose.
-    const Protocol study = parse_protocol(shipped_protocol("shape_friction").text, "p.toml");
+    // Around the exploration: 2 * 0.2 s of ramp, 2 s to get ready, 3 s to choose; 1.5 s of gap
+    // between two trials where there is no break: 107 times.
+    Protocol study = parse_protocol(shipped_protocol("shape_friction").text, "p.toml");
     const Plan plan = make_plan(study, protocol_hash(study), {.participant = "p01"}, study.seed);
     const Duration duration = duration_of(plan, study);
-    CHECK_THAT(duration.shortest, Catch::Matchers::WithinRel(114 * 3.9 + 180.0, 1e-12));
-    CHECK_THAT(duration.prompted, Catch::Matchers::WithinRel(114 * 36.9 + 180.0, 1e-12));
-    CHECK_THAT(duration.longest, Catch::Matchers::WithinRel(114 * 51.9 + 180.0, 1e-12));
+    constexpr double kBetween = 107 * 1.5 + 180.0;
+    CHECK_THAT(duration.shortest, Catch::Matchers::WithinRel(114 * 2.4 + kBetween, 1e-12));
+    CHECK_THAT(duration.prompted, Catch::Matchers::WithinRel(114 * 35.4 + kBetween, 1e-12));
+    CHECK_THAT(duration.longest, Catch::Matchers::WithinRel(114 * 50.4 + kBetween, 1e-12));
+    study.response.feedback = Feedback::practice;
+    CHECK_THAT(duration_of(plan, study).shortest,
+               Catch::Matchers::WithinRel(duration.shortest + 10.0, 1e-12));
+    study.response.feedback = Feedback::all;
+    CHECK_THAT(duration_of(plan, study).longest,
+               Catch::Matchers::WithinRel(duration.longest + 114.0, 1e-12));
 }

@@ -5,6 +5,7 @@
 #include "protocols/file/keys.hpp"
 #include "protocols/library/new_protocol.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -37,7 +38,7 @@ int run(const NewOptions& options) {
     const std::string id = protocols::id_of(std::filesystem::path(options.file).stem().string());
     write_new(options.file, new_protocol(protocols::shipped_protocol(options.from), id));
     say("{}: a study with the id {}, made from {}\nNext: palpate check {}\n", options.file, id,
-        options.from, options.file);
+        options.from, shell_word(options.file));
     return 0;
 }
 

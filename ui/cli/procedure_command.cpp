@@ -179,13 +179,13 @@ int run(const ProcedureOptions& options) {
         say("{}", protocols::procedure_key_reference());
         return 0;
     }
-    const protocols::ProcedureFile file = protocols::load_procedure(options.config);
-    const std::vector<std::string> shown = stimulus_columns(file.procedure);
+    const protocols::Procedure procedure = protocols::load_procedure(options.config);
+    const std::vector<std::string> shown = stimulus_columns(procedure);
     const std::vector<std::string_view> optional(shown.begin(), shown.end());
     const std::vector<std::string_view> wanted{"response"};
     const data::NumberTable table =
         data::read_numbers(options.responses, wanted, optional, std::span(&kStaircase, 1));
-    write_whole(options.output, replayed(file.procedure, table, options.responses, options.hashes));
+    write_whole(options.output, replayed(procedure, table, options.responses, options.hashes));
     return 0;
 }
 

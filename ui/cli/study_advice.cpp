@@ -1,6 +1,7 @@
 #include "ui/cli/study_advice.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -27,14 +28,14 @@ void advise_on_plan(const protocols::Protocol& protocol,
                     std::vector<std::string>& all) {
     const Stretch stretch = longest_stretch(protocol, plan);
     if (stretch.seconds > kLongStretch) {
-        all.push_back(
-            fmt::format("trials {} to {} take some {:.0f} minutes without a break: give [design] a "
-                        "smaller break_every",
-                        stretch.first + 1, stretch.first + stretch.trials, stretch.seconds / 60.0));
+        all.push_back(fmt::format(
+            "trials {} to {} take some {:.0f} minutes without a break: give [design] a "
+            "smaller break_every",
+            stretch.first + 1, stretch.first + stretch.trials, std::ceil(stretch.seconds / 60.0)));
     }
     if (const double all_of_it = duration_of(plan, protocol).prompted; all_of_it > kLongSession) {
         all.push_back(fmt::format("a session of {:.0f} minutes tires people: part it into several",
-                                  all_of_it / 60.0));
+                                  std::ceil(all_of_it / 60.0)));
     }
     const auto trials_of = [&plan](protocols::Phase phase) {
         return std::ranges::count(plan.trials, phase, &protocols::PlannedTrial::phase);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/realtime/servo.hpp"
+#include "protocols/design/plan_summary.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {
@@ -316,7 +317,7 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
 
 Signal SubjectScreen::feedback(const protocols::TrialView& /*trial*/, bool correct) {
     stage_.show(FeedbackFace{correct});
-    return stage_.wait_or_abort(kFeedbackSeconds) ? Signal::abort : Signal::go_on;
+    return stage_.wait_or_abort(protocols::kFeedbackSeconds) ? Signal::abort : Signal::go_on;
 }
 
 Signal SubjectScreen::gap(double seconds) {

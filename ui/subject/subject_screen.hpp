@@ -41,9 +41,6 @@ struct SubjectScreenOptions {
     std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
 };
 
-/// How long the screen says right or wrong, s.
-inline constexpr double kFeedbackSeconds = 1.0;
-
 /// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how
 /// late that may be is stored with each.
 class SubjectScreen : public protocols::Observer {
