@@ -27,6 +27,7 @@ struct MarkReply {
     TrialNumber number{};     ///< as its screens said
     TrialNumber next{};       ///< the trial that comes now
     std::int64_t trial = 0;   ///< its trial_id
+    std::string reason{};     ///< in the experimenter's words; empty: none was given
 };
 
 /// What the experimenter asked for while a session runs, until the session does it. Screen and
@@ -34,10 +35,10 @@ struct MarkReply {
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
-    /// @param reason  in the experimenter's words; empty: none was given
-    void mark(std::string reason = {}) {
-        mark_ = true;
-        reason_ = std::move(reason);
+    /// @param reason  in the experimenter's words, after those of marks that still wait; empty: none
+    void mark(const std::string& reason = {}) {
+        const std::string before = mark_.value_or("");
+        mark_ = before + (before.empty() || reason.empty() ? "" : "; ") + reason;
         if (at_once_) {
             at_once_();
         }
@@ -64,7 +65,7 @@ public:
     [[nodiscard]] bool force_doubted() const noexcept { return force_doubted_.load(); }
 
     /// Something was asked for that a session stops for between trials.
-    [[nodiscard]] bool wants() const noexcept { return mark_ || pause_ || wants_stop(); }
+    [[nodiscard]] bool wants() const noexcept { return mark_.has_value() || pause_ || wants_stop(); }
     /// Force is not wanted: stop() or bar().
     [[nodiscard]] bool wants_stop() const noexcept {
         return stop_.load() != nullptr || barred() != nullptr;
@@ -74,19 +75,19 @@ public:
     /// The way of the stop, which is forgotten then; null: there was none.
     [[nodiscard]] const char* take_stop() noexcept { return stop_.exchange(nullptr); }
     /// What became of the mark, for the screen to say.
-    void reply(const MarkReply& reply) noexcept { reply_ = reply; }
+    void reply(MarkReply reply) noexcept { reply_ = std::move(reply); }
     [[nodiscard]] std::optional<MarkReply> take_reply() noexcept {
         return std::exchange(reply_, std::nullopt);
     }
     [[nodiscard]] bool wants_pause() const noexcept { return pause_; }
-    [[nodiscard]] bool take_mark() noexcept { return std::exchange(mark_, false); }
-    /// Of the mark that was taken.
-    [[nodiscard]] std::string take_reason() noexcept { return std::exchange(reason_, {}); }
+    /// Its reason; none: nobody asked for a mark.
+    [[nodiscard]] std::optional<std::string> take_mark() noexcept {
+        return std::exchange(mark_, std::nullopt);
+    }
     [[nodiscard]] bool take_pause() noexcept { return std::exchange(pause_, false); }
 
 private:
-    bool mark_ = false;
-    std::string reason_;
+    std::optional<std::string> mark_;  ///< why; empty: no reason was given
     bool pause_ = false;
     std::function<void()> at_once_;
     std::function<bool()> handle_awaited_;

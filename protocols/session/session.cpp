@@ -163,19 +163,20 @@ private:
 
     /// A mark concerns the last attempt of this run.
     void check_mark() {
-        if (!ports_.desk->take_mark()) {
+        const auto reason = ports_.desk->take_mark();
+        if (!reason) {
             return;
         }
-        MarkReply reply{.found = last_ && progress_.counts(*last_)};
-        const std::string reason = ports_.desk->take_reason();
-        const std::string why = (reason.empty() ? "" : ": ") + reason;
+        MarkReply reply{.found = last_ && progress_.counts(*last_), .reason = *reason};
+        const std::string why = (reason->empty() ? "" : ": ") + *reason;
         if (reply.found) {
             happened({.kind = EventKind::mark, .text = kMarkedAtDesk + why, .trial = last_});
             reply = {.found = true,
                      .runs_again = pending().has(last_position_),
                      .number = last_number_,
                      .next = pending().number(),
-                     .trial = *last_};
+                     .trial = *last_,
+                     .reason = *reason};
             next_ = pending().empty() ? next_ : runner_.view_of(pending());
             last_.reset();
             ++marks_;

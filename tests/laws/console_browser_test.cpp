@@ -47,9 +47,11 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     page.press("pause");
     CHECK(session.keeps(events_of("go on"), "1"));
     CHECK(eventually([&] { return page.text("pause-word") == "Pause"; }));
+    REQUIRE(eventually([&] { return page.text("sentence").find("exploring") == 0; }));
     page.press("mark");
     REQUIRE(
         eventually([&] { return page.value("document.getElementById('ask').open") == "true"; }));
+    CHECK_THAT(page.text("ask-text"), Has(" is kept") && !Has("running or last"));
     page.press("ask-stop");
     CHECK(session.keeps(events_of("stop"), "1"));
     CHECK(session.kept(events_of("mark")) == "0");

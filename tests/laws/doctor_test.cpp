@@ -63,6 +63,21 @@ TEST_CASE("without a display the doctor fails a device that run refuses for it, 
     CHECK((code == 3 || end.error.find("needs a display and a window") != std::string::npos));
 }
 
+TEST_CASE("the doctor fails a place for the data that run refuses", "[cli][doctor][law]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("notes.txt")) << "rested after trial 40\n";
+    for (const std::string& db : {folder.file("notes.txt"), folder.path().string()}) {
+        const Finished doctor = palpate_command({"doctor", "--seconds", "0.05", "--db", db});
+        const Finished run = palpate_command(
+            {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", db});
+        CHECK(doctor.code == 1);
+        CHECK(run.code == 2);
+        CHECK_THAT(doctor.out, Has("fail  disk "));
+        CHECK_THAT(run.error, Has(db));
+    }
+    CHECK(folder.names() == Words{"notes.txt"});
+}
+
 TEST_CASE("wrong words to the doctor get a sentence and exit code 2", "[cli][doctor]") {
     CHECK_THAT(ran({"doctor", "--device", "haptic"}, 2).error, Has("haptic"));
     ran({"doctor", "--seconds", "never"}, 2);

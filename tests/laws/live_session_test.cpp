@@ -58,6 +58,31 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     ran({"verify", session.file});
 }
 
+TEST_CASE("a mark is of the trial that is meant, and a note of the one that the file has",
+          "[live][law]") {
+    ShownSession session(kFourTrials, {"1"});
+    CHECK(session.state()["markable"].is_null());
+    REQUIRE(session.comes_to("explore"));
+    const data::Json meant = session.state()["markable"];
+    CHECK(meant["name"] == "trial 1 of 4");
+    CHECK(session.ask({{"do", "note"}, {"text", "felt"}})["ok"] == true);
+    ran({"note", session.file, "from a shell", "--participant", "P1"});
+    for (const data::Json& note : session.state()["notes"]) {
+        CHECK((note["trial"].is_null() ? "" : "1") ==
+              session.kept("SELECT coalesce(trial_id, '') FROM event WHERE text = '" +
+                           note["text"].get<std::string>() + "'"));
+    }
+    REQUIRE(eventually([&] { return session.state()["markable"] != meant; }));
+    const data::Json late = session.ask({{"do", "mark"}, {"trial", meant["trial_id"]}});
+    CHECK(late["ok"] == false);
+    CHECK_THAT(late["text"].get<std::string>(), Has("palpate mark FILE 1 --invalid"));
+    const data::Json now = session.state()["markable"]["trial_id"];
+    CHECK(session.ask({{"do", "mark"}, {"trial", now}, {"reason", "late"}})["ok"] == true);
+    CHECK(session.program.wait().code == 0);
+    CHECK(session.kept("SELECT group_concat(trial_id) FROM trial WHERE invalid_reason LIKE "
+                       "'marked%'") == now.dump());
+}
+
 TEST_CASE("what was noted while something is felt is kept by a file that is killed at once",
           "[live][law]") {
     ShownSession session(kFourTrials, {"0.5"});

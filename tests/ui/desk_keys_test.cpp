@@ -45,6 +45,18 @@ TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever
     CHECK_FALSE(rig.desk.wants());
 }
 
+TEST_CASE("a mark at the screen keeps the reason of one that was asked for before",
+          "[screen][desk][law]") {
+    DeskRig rig;
+    rig.desk.mark("the phone rang");
+    press(SDLK_m, kChord);
+    press(SDLK_y);
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    rig.desk.mark("they said so, too");
+    CHECK(rig.desk.take_mark() == "the phone rang; they said so, too");
+    CHECK_FALSE(rig.desk.take_mark());
+}
+
 TEST_CASE("what became of a mark stands at the lower edge, until something else is asked",
           "[screen][desk]") {
     DeskRig rig;

@@ -39,15 +39,15 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
     };
     const auto shown = [&](const Presentation& presentation, double force, bool reveals) {
         Random hand(7);  // the same
-        ui::LiveBoard board({.uuid = "u", .participant = "P1", .gives_force = true, .left = 9},
+        ui::LiveBoard board({.session = R"({"session":"u"})", .gives_force = true, .left = 9},
                             protocol, plan, desk);
         TrialView view{.number = 3, .total = 9};
         if (reveals) {
             board.reveal();
         }
-        board.enter(ui::LivePhase::ready, &view);
+        board.enter(SessionStep::ready, &view);
         board.feels(presentation);
-        board.enter(ui::LivePhase::explore, &view);
+        board.enter(SessionStep::explore, &view);
         for (int i = 0; i < 3000; ++i) {
             const engine::Vec2 hip = hand.point(-0.03, 0.03);
             engine::TickRecord tick{
@@ -60,7 +60,7 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
             tick.mode = force > 1.0 ? engine::Mode::slip : engine::Mode::stuck;
             board.feel({&tick, 1});
         }
-        board.enter(ui::LivePhase::question, &view);
+        board.enter(SessionStep::question, &view);
         return memory_of(board);
     };
     const auto one = shown(felt(0, 0), 0.5, false);
@@ -73,17 +73,18 @@ TEST_CASE("a pause and a stop that are asked for are shown before they are done"
     const Protocol protocol = demo();
     const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
     OperatorDesk desk;
-    ui::LiveBoard board({.uuid = "u", .gives_force = true}, protocol, plan, desk);
+    ui::LiveBoard board({.session = R"({"session":"u"})", .gives_force = true}, protocol, plan,
+                        desk);
     const ui::LiveReader reader(board.descriptor());
     const auto shows = [&](const char* what) {
         board.look();
         return reader.state()->json.find(what) != std::string::npos;
     };
     const TrialView next{.number = 4, .total = 9};
-    board.enter(ui::LivePhase::rest, &next);
-    board.enter(ui::LivePhase::gap);
+    board.enter(SessionStep::rest, &next);
+    board.enter(SessionStep::gap);
     CHECK_FALSE(shows("after trial 4"));
-    board.enter(ui::LivePhase::explore);
+    board.enter(SessionStep::explore);
     CHECK(shows("\"pausing\":false"));
     CHECK(shows("\"force\":{\"on\":true"));
     desk.pause();

@@ -203,11 +203,9 @@ void print_found(const engine::RigRecord& record, bool straight) {
 /// @throws std::invalid_argument where another rig's is there
 void require_same_rig(const CommissionOptions& options) {
     const auto there = record_in(options.output);  // none: write_whole() looks what it is
-    if (there && there->device != options.device) {
-        throw std::invalid_argument(
-            fmt::format("{} is the record of {}, and this is {}: give another file to write",
-                        options.output, there->device, options.device));
-    }
+    refuse_if(there && there->device != options.device,
+              "{} is the record of {}, and this is {}: give another file to write", options.output,
+              there ? there->device : "", options.device);
 }
 
 /// The same of boards that say which one they are, at one port.

@@ -72,11 +72,7 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
     event["hip"] = point(newest.hip, kPlace);
     event["go"] = free ? Json(nullptr) : point(newest.go, kPlace);
     event["f"] = point(newest.force, kForce);
-    Json strips{{"t", Json::array()},
-                {"fn", Json::array()},
-                {"ft", Json::array()},
-                {"speed", Json::array()},
-                {"mode", Json::array()}};
+    Json& strips = event["strips"];
     for (const LiveTick& tick : ticks) {
         strips["t"].push_back(std::round(tick.t_s * 1e4) / 1e4);
         strips["fn"].push_back(shown(tick.normal, kForce));
@@ -85,7 +81,6 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
         const auto mode = static_cast<engine::Mode>(tick.mode);
         strips["mode"].push_back(mode == engine::Mode::transition ? "slip" : to_string(mode));
     }
-    event["strips"] = std::move(strips);
 }
 
 /// What all pages of one session share: the session, and what its file and its disk say beside.

@@ -8,7 +8,6 @@
 #include <mutex>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -179,25 +178,19 @@ struct PageRequest {
     std::string body{};
     bool too_long = false;
 
-    using Headers = std::vector<std::pair<std::string, std::string>>;
     [[nodiscard]] MHD_Result answer(unsigned code,
                                     std::string_view text,
-                                    std::string_view type = "text/plain; charset=utf-8",
-                                    const Headers& more = {}) const {
-        MHD_Response* response = MHD_create_response_from_buffer(
-            text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY);  // NOLINT: copied
-        return queue(code, response, type, more);
+                                    const char* type = "text/plain; charset=utf-8") const {
+        return queue(code, response_of(text), type);
     }
-    [[nodiscard]] MHD_Result queue(unsigned code,
-                                   MHD_Response* response,
-                                   std::string_view type,
-                                   const Headers& more = {}) const {
-        MHD_add_response_header(response, "Content-Type", std::string(type).c_str());
+    [[nodiscard]] static MHD_Response* response_of(std::string_view text) {
+        return MHD_create_response_from_buffer(text.size(), const_cast<char*>(text.data()),
+                                               MHD_RESPMEM_MUST_COPY);  // NOLINT: copied
+    }
+    [[nodiscard]] MHD_Result queue(unsigned code, MHD_Response* response, const char* type) const {
+        MHD_add_response_header(response, "Content-Type", type);
         for (const auto& [key, value] : kHeaders) {
             MHD_add_response_header(response, key, value);
-        }
-        for (const auto& [key, value] : more) {
-            MHD_add_response_header(response, key.c_str(), value.c_str());
         }
         const MHD_Result queued = MHD_queue_response(connection, code, response);
         MHD_destroy_response(response);
@@ -222,12 +215,13 @@ struct PageRequest {
         if (!same_secret(token, server.spec_.token)) {
             return answer(MHD_HTTP_FORBIDDEN, "not the token of this page\n");
         }
-        return answer(
-            MHD_HTTP_SEE_OTHER, "", "text/plain",
-            {{"Location", "/"},
-             {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}",
-                                        server.cookie_name_, server.spec_.cookie,
-                                        server.spec_.certificate.empty() ? "" : "; Secure")}});
+        const std::string cookie =
+            fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", server.cookie_name_,
+                        server.spec_.cookie, server.spec_.certificate.empty() ? "" : "; Secure");
+        MHD_Response* response = response_of("");
+        MHD_add_response_header(response, "Location", "/");
+        MHD_add_response_header(response, "Set-Cookie", cookie.c_str());
+        return queue(MHD_HTTP_SEE_OTHER, response, "text/plain");
     }
 
     [[nodiscard]] MHD_Result get(std::string_view path) const {

@@ -1,19 +1,18 @@
 #include <algorithm>
 #include <array>
-#include <csignal>
 #include <filesystem>
+#include <memory>
 #include <mutex>
+#include <sstream>
 #include <stdexcept>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/shell.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/felt_stimuli.hpp"
 #include "ui/console/page_server.hpp"
@@ -65,32 +64,23 @@ public:
         fs::remove_all(path_, kept);
     }
     [[nodiscard]] std::string file(std::string_view name) const { return path_ / name; }
-    [[nodiscard]] const fs::path& path() const { return path_; }
 
 private:
     fs::path path_;
 };
 
 /// What a command of this program says, both ways, and whether it said that all is right.
-std::pair<std::string, bool> said_by(std::vector<std::string> words, const std::string& into) {
-    std::vector<char*> line{const_cast<char*>("palpate")};  // NOLINT: it is only read
-    for (std::string& word : words) {
-        line.push_back(word.data());
-    }
-    line.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, into.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
-    posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-    pid_t child = -1;
-    int status = -1;
-    if (posix_spawn(&child, "/proc/self/exe", &files, nullptr, line.data(), environ) == 0) {
-        while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+std::pair<std::string, bool> said_by(const std::vector<std::string>& words) {
+    std::string line = fmt::format("exec /proc/{}/exe", getpid());
+    for (const std::string& word : words) {
+        line += " '";
+        for (const char c : word) {
+            line += c == '\'' ? std::string("'\\''") : std::string(1, c);
         }
+        line += '\'';
     }
-    posix_spawn_file_actions_destroy(&files);
-    return {file_text(into), WIFEXITED(status) && WEXITSTATUS(status) == 0};
+    auto [said, status] = output_of(line + " 2>&1");
+    return {std::move(said), status == 0};
 }
 
 /// A protocol as it was when it was saved last: check, order, screens and objects as the commands
@@ -113,9 +103,9 @@ public:
     }
     [[nodiscard]] std::optional<std::string> file(std::string_view path) const {
         const std::scoped_lock lock(mutex_);
-        const std::string name(path.substr(std::min<std::size_t>(1, path.size())));
-        return std::ranges::count(shown_, name) ? std::optional(file_text(folder_.file(name)))
-                                                : std::nullopt;
+        const std::string file = folder_->file(path.substr(std::min<std::size_t>(1, path.size())));
+        const bool there = path.rfind('/') == 0 && fs::is_regular_file(file);
+        return there ? std::optional(file_text(file)) : std::nullopt;
     }
 
 private:
@@ -127,32 +117,23 @@ private:
 
     void draw() {
         stamp_ = stamp();
-        const std::string said = folder_.file("said.txt");
+        auto folder = std::make_unique<DrawingFolder>();
         auto [check, right] =
-            said_by({"check", protocol_, "--long", "--svg", folder_.file("objects.svg")}, said);
+            said_by({"check", protocol_, "--long", "--svg", folder->file("objects.svg")});
         check.resize(std::min(check.size(), check.rfind("objects drawn in ")));  // in our folder
-        const auto [order, ordered] =
-            said_by({"sequence", protocol_, "--participant", "P01"}, said);
-        const auto [taken, pictured] =
-            said_by({"screenshots", "--protocol", protocol_, "--width", "960", "--height", "600",
-                     "-o", folder_.path().string()},
-                    said);
-        std::vector<std::string> shown;
-        if (pictured) {
-            for (const auto& entry : fs::directory_iterator(folder_.path())) {
-                if (taken.find(entry.path().string()) != std::string::npos) {
-                    shown.push_back(entry.path().filename().string());
-                }
+        const auto [order, ordered] = said_by({"sequence", protocol_, "--participant", "P01"});
+        const auto [taken, pictured] = said_by({"screenshots", "--protocol", protocol_, "--width",
+                                                "960", "--height", "600", "-o", folder->file("")});
+        data::Json screens = data::Json::array();
+        std::istringstream files(pictured ? taken : "");
+        for (std::string file; std::getline(files, file);) {
+            if (file.starts_with(folder->file(""))) {
+                screens.push_back(fs::path(file).filename().string());
             }
         }
-        std::ranges::sort(shown, {}, [&](const std::string& name) { return taken.find(name); });
-        const data::Json screens = shown;
-        const bool drawn = pictured && fs::exists(folder_.file("objects.svg"));
-        if (drawn) {
-            shown.emplace_back("objects.svg");
-        }
+        const bool drawn = pictured && fs::exists(folder->file("objects.svg"));
         const std::scoped_lock lock(mutex_);
-        shown_ = std::move(shown);
+        folder_ = std::move(folder);
         ++version_;
         event_ = event_text("drawn", {{"protocol", protocol_},
                                       {"version", version_},
@@ -164,10 +145,9 @@ private:
     }
 
     std::string protocol_;
-    DrawingFolder folder_;
+    std::unique_ptr<DrawingFolder> folder_;
     Stamp stamp_{};
     mutable std::mutex mutex_;
-    std::vector<std::string> shown_;
     std::string event_;
     std::uint64_t version_ = 0;
 };
@@ -190,7 +170,7 @@ EventSource stream_of(const Drawn& drawn, const FeltStimuli* felt) {
 
 int run(const PreviewOptions& options) {
     std::error_code unknown;
-    refuse_if(!fs::exists(options.protocol, unknown),
+    refuse_if(!fs::is_regular_file(options.protocol, unknown),
               "{}: there is no such file; palpate new makes one of a shipped protocol",
               options.protocol);
     catch_signals();

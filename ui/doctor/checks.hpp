@@ -35,6 +35,10 @@ struct Check {
     std::string remedy{};  ///< what to do; empty when all is well
     std::vector<std::pair<std::string, double>> numbers{};  ///< for programs: "p99_us", 35.2
     std::vector<std::string> picture{};                     ///< lines below, for people only
+
+    /// Not all is well: what to do.
+    void warns(std::string advice) { status = CheckStatus::warn, remedy = std::move(advice); }
+    void fails(std::string advice) { status = CheckStatus::fail, remedy = std::move(advice); }
 };
 
 /// `look`, or a failed check named `name` with what it threw.
@@ -131,7 +135,8 @@ struct ProcessorTime {
 [[nodiscard]] Check check_kernel();
 /// @param before  processor_time() some seconds ago
 [[nodiscard]] Check check_host(const std::optional<ProcessorTime>& before);
-/// Room and sync time of the folder that `database` is in, or would be.
+/// Room and sync time of the folder that `database` is in, or would be, wherever links lead. Fails
+/// for what is there and no database.
 [[nodiscard]] Check check_disk(const std::string& database);
 
 // --- screen_checks.cpp: the only ones with SDL

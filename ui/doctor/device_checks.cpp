@@ -44,10 +44,9 @@ Readings read_for_a_while(engine::Device& device) {
 /// Adds to `check` what a board's answers were like, as they were measured when it was opened.
 void tell_answers(Check& check, const Readings& readings, const engine::DeviceTraits& traits) {
     if (readings.good == kReadings && readings.fresh == 0) {
-        check.status = CheckStatus::fail;
-        check.remedy =
+        check.fails(
             "its answers come so late that no reading was new: check the cable, and use a port of "
-            "the computer itself";
+            "the computer itself");
         return;
     }
     check.detail +=
@@ -149,17 +148,15 @@ void judge(Check& check,
            double wanted,
            const std::optional<double>& weakest) {
     if (readings.good < kReadings) {
-        check.status = CheckStatus::fail;
-        check.remedy = device.trouble();
+        check.fails(device.trouble());
         if (check.remedy.empty()) {
             check.remedy = "check its cable and power, and that the handle is in the workspace";
         }
     } else if (weakest && wanted > *weakest) {
-        check.status = CheckStatus::warn;
-        check.remedy = fmt::format(
+        check.warns(fmt::format(
             "the protocol allows {:.1f} N: forces above {:.1f} N will be weaker than rendered; "
             "lower the protocol's force limit",
-            wanted, *weakest);
+            wanted, *weakest));
     }
 }
 
@@ -209,8 +206,7 @@ Check check_device(const std::string& word,
     try {
         device = open();
     } catch (const std::exception& e) {
-        check.status = CheckStatus::fail;
-        check.remedy = e.what();
+        check.fails(e.what());
         return check;
     }
     device->write(engine::Vec3{});
@@ -262,9 +258,8 @@ Check check_kinematics(std::span<const Linkage> linkages) {
         check.numbers.emplace_back(linkage.name + "_round_trip_m", worst.distance);
         check.numbers.emplace_back(linkage.name + "_jacobian_error", worst.jacobian);
         if (worst.places == 0 || !(worst.distance <= kDistance) || !(worst.jacobian <= kJacobian)) {
-            check.status = CheckStatus::fail;
-            check.remedy = "check the link lengths and the origin of " + linkage.name +
-                           " in the calibration file";
+            check.fails("check the link lengths and the origin of " + linkage.name +
+                        " in the calibration file");
         }
     }
     check.detail += fmt::format(

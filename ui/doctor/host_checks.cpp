@@ -17,6 +17,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
+#include "data/store/database.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
@@ -75,13 +76,11 @@ double free_gib(const std::filesystem::path& folder) {
 
 void judge_disk(Check& check, double room_gib, double sync_ms) {
     if (room_gib < 1.0) {
-        check.status = CheckStatus::warn;
-        check.remedy = "a session needs some 100 MiB: make room, or give --db on another disk";
+        check.warns("a session needs some 100 MiB: make room, or give --db on another disk");
     } else if (sync_ms > 50.0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
+        check.warns(
             "this disk is slow (a network folder or a USB stick?): keep the database "
-            "on an inner disk and copy it afterwards";
+            "on an inner disk and copy it afterwards");
     }
 }
 
@@ -140,9 +139,13 @@ Check check_host(const std::optional<ProcessorTime>& before) {
 
 Check check_disk(const std::string& database) {
     constexpr int kSyncs = 15;
-    const std::filesystem::path parent = std::filesystem::absolute(database).parent_path();
+    const auto parent =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(database)).parent_path();
     Check check{.name = "disk", .detail = parent.string()};
     try {
+        if (std::filesystem::exists(database)) {
+            const data::Database there(database, data::Access::inspect);
+        }
         const double room = free_gib(parent);
         Scratch scratch(parent);
         std::array<double, kSyncs> times{};
@@ -157,9 +160,8 @@ Check check_disk(const std::string& database) {
             {"free_gib", room}, {"sync_median_ms", median}, {"sync_worst_ms", times.back()}};
         judge_disk(check, room, median);
     } catch (const std::exception& e) {
-        check.status = CheckStatus::fail;
         check.detail += fmt::format(": cannot write there: {}", e.what());
-        check.remedy = "give --db FILE in a folder that is there and yours to write";
+        check.fails("give --db FILE in a folder that is there and yours to write");
     }
     return check;
 }

@@ -73,9 +73,8 @@ Check check_display(bool needed) {
         return check;
     }
     if (found.state == FoundDisplay::State::broken) {
-        check.status = CheckStatus::fail;
         check.detail = "cannot be opened";
-        check.remedy = found.trouble;
+        check.fails(found.trouble);
         return check;
     }
     const Subsystem video(SDL_INIT_VIDEO, open_display());  // as a session does
@@ -128,9 +127,8 @@ Check check_font(const std::string& asked) {
     try {
         check.detail = find_font(asked);
     } catch (const std::exception& e) {
-        check.status = CheckStatus::fail;
         check.detail = "none";
-        check.remedy = e.what();
+        check.fails(e.what());
     }
     return check;
 }

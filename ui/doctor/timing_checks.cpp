@@ -45,15 +45,13 @@ void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, boo
     const double late = static_cast<double>(lateness.late()) / ticks;
     const char* rights = all_rights ? "" : ", grant what was refused above";
     if (lateness.count() == 0 || late > 0.01) {
-        check.status = CheckStatus::fail;
-        check.remedy = fmt::format(
+        check.fails(fmt::format(
             "more than 1 % of the ticks are late: close other programs{}, run on the machine "
             "itself instead of a virtual one, or lower the protocol's rate",
-            rights);
+            rights));
     } else if (late > 0.0002 || lateness.missed() > 0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
-            fmt::format("close other programs{}; every late tick is marked in the data", rights);
+        check.warns(
+            fmt::format("close other programs{}; every late tick is marked in the data", rights));
     }
 }
 
@@ -86,12 +84,9 @@ Check check_clock() {
                             {"read_ns", cost},
                             {"steps_back", back}}};
     if (back > 0 || resolution.tv_sec > 0 || resolution.tv_nsec > 1000) {
-        check.status = CheckStatus::fail;
-        check.remedy = "times of this machine cannot be trusted: use another kernel or machine";
+        check.fails("times of this machine cannot be trusted: use another kernel or machine");
     } else if (cost > 500.0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
-            "the clock is slow to read: boot with clocksource=tsc if the processor allows";
+        check.warns("the clock is slow to read: boot with clocksource=tsc if the processor allows");
     }
     return check;
 }
@@ -165,10 +160,9 @@ Check check_cyclictest(const JitterRun& run) {
         return check;
     }
     if (run.p50_ratios.empty()) {
-        check.status = CheckStatus::warn;
         check.detail =
             "installed, but it gave no result: it wants the right to real-time scheduling";
-        check.remedy = "see scheduling above, or run this as root";
+        check.warns("see scheduling above, or run this as root");
         return check;
     }
     const double p50 = median(run.p50_ratios);
@@ -181,8 +175,7 @@ Check check_cyclictest(const JitterRun& run) {
                      {"p50_ratio", p50},
                      {"p99_ratio", p99}};
     if (p50 > kRatio || p99 > kRatio) {
-        check.status = CheckStatus::warn;
-        check.remedy = "run the doctor again with nothing else running and --seconds 30";
+        check.warns("run the doctor again with nothing else running and --seconds 30");
     }
     return check;
 }

@@ -1,17 +1,17 @@
 #include "ui/doctor/wake_up.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
-#include <memory>
 #include <numeric>
 #include <string>
 #include <thread>
 
+#include <fmt/format.h>
+
+#include "engine/base/shell.hpp"
 #include "engine/device/device.hpp"
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
@@ -21,25 +21,6 @@ namespace palpate::ui {
 namespace {
 
 constexpr std::size_t kBins = 5000;  ///< us; beyond, cyclictest counts overflows
-
-struct Close {
-    void operator()(std::FILE* pipe) const { pclose(pipe); }
-};
-
-/// The command is ours: no word of it comes from outside.
-std::string output_of(const std::string& command) {
-    const std::unique_ptr<std::FILE, Close> pipe(popen(command.c_str(), "re"));
-    std::string out;
-    std::array<char, 4096> buffer{};
-    while (pipe) {
-        const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe.get());
-        if (n == 0) {
-            break;
-        }
-        out.append(buffer.data(), n);
-    }
-    return out;
-}
 
 std::optional<std::int64_t> number_in(std::string_view text) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
@@ -109,15 +90,16 @@ std::optional<Cyclictest> parse_cyclictest(std::string_view output) {
 }
 
 bool cyclictest_installed() {
-    return !output_of("command -v cyclictest 2>/dev/null").empty();
+    return output_of("command -v cyclictest 2>/dev/null").second == 0;
 }
 
 std::optional<Cyclictest> run_cyclictest(double rate_hz, double seconds, bool realtime) {
     const auto interval = std::lround(1e6 / rate_hz);
     const auto loops = std::max(1L, std::lround(seconds * rate_hz));
-    return parse_cyclictest(output_of("cyclictest -q -t1 -i" + std::to_string(interval) + " -l" +
-                                      std::to_string(loops) + " -h" + std::to_string(kBins) +
-                                      (realtime ? " -m -p80" : "") + " 2>/dev/null"));
+    return parse_cyclictest(
+        output_of(fmt::format("cyclictest -q -t1 -i{} -l{} -h{}{} 2>/dev/null", interval, loops,
+                              kBins, realtime ? " -m -p80" : ""))
+            .first);
 }
 
 WakeUps measure_wake_ups(double rate_hz,

@@ -17,6 +17,8 @@
 #include "ui/rig/operator_log.hpp"
 
 namespace palpate::ui {
+using protocols::SessionStep;
+
 namespace {
 
 constexpr double kShownRate = 125;  ///< ticks a second
@@ -59,7 +61,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kPhases{
 
 }  // namespace
 
-struct LiveBoard::Lists {
+struct LiveBoard::Shown {
+    data::Json session;
+    data::Json device;
     data::Json not_counting = data::Json::array();
     data::Json faults = data::Json::array();
     data::Json notes = data::Json::array();
@@ -77,13 +81,14 @@ LiveBoard::LiveBoard(LiveFacts facts,
       phase_ns_(monotonic_ns()),
       per_shown_(static_cast<std::size_t>(
           std::max(1.0, std::round(protocol.apparatus.rate_hz / kShownRate)))),
-      lists_(std::make_unique<Lists>()) {
+      all_(std::make_unique<Shown>(
+          Shown{.session = object_in(facts_.session), .device = object_in(facts_.device)})) {
     show();
 }
 
 LiveBoard::~LiveBoard() = default;
 
-void LiveBoard::enter(LivePhase phase, const protocols::TrialView* trial) noexcept {
+void LiveBoard::enter(SessionStep phase, const protocols::TrialView* trial) noexcept {
     const protocols::TrialNumber number =
         trial == nullptr ? trial_
                          : protocols::TrialNumber{trial->practice, trial->number, trial->total};
@@ -95,7 +100,7 @@ void LiveBoard::enter(LivePhase phase, const protocols::TrialView* trial) noexce
     trial_ = number;
     interval_ = interval;
     phase_ns_ = monotonic_ns();
-    if (phase == LivePhase::explore && interval == 1) {
+    if (phase == SessionStep::explore && interval == 1) {
         late_trial_ = {};
     }
     show();
@@ -103,11 +108,11 @@ void LiveBoard::enter(LivePhase phase, const protocols::TrialView* trial) noexce
 
 void LiveBoard::enter(const protocols::TroubleView& trouble) noexcept {
     unless_no_memory([&] {
-        if (phase_ != LivePhase::trouble || trouble.sentence != trouble_.sentence ||
+        if (phase_ != SessionStep::trouble || trouble.sentence != trouble_.sentence ||
             trouble.solved != trouble_.solved) {
             trouble_ = trouble;
-            phase_ns_ = phase_ == LivePhase::trouble ? phase_ns_ : monotonic_ns();
-            phase_ = LivePhase::trouble;
+            phase_ns_ = phase_ == SessionStep::trouble ? phase_ns_ : monotonic_ns();
+            phase_ = SessionStep::trouble;
             show();
         }
     });
@@ -115,7 +120,7 @@ void LiveBoard::enter(const protocols::TroubleView& trouble) noexcept {
 
 void LiveBoard::end(std::string_view how) noexcept {
     unless_no_memory([&] { ended_ = how; });
-    phase_ = LivePhase::ended;
+    phase_ = SessionStep::ended;
     phase_ns_ = monotonic_ns();
     show();
 }
@@ -146,9 +151,8 @@ void LiveBoard::feel(std::span<const engine::TickRecord> ticks) noexcept {
             std::ranges::upper_bound(kEdges, double{tick.lateness_us}) - kEdges.begin());
         ++late_trial_[bin];
         ++late_session_[bin];
-        ++ticks_;
         stale_ += (tick.flags & engine::tick_stale) != 0 ? 1U : 0U;
-        if (fed_++ % per_shown_ == 0) {
+        if (ticks_++ % per_shown_ == 0) {
             show(tick);
         }
     }
@@ -194,7 +198,7 @@ void LiveBoard::attempted(const protocols::Progress& progress,
             entry["cause"] = to_string(result.fault->cause);
             entry["advice"] = result.fault->text.empty() ? explanation(result.fault->cause)
                                                          : std::string_view(result.fault->text);
-            lists_->faults.push_back(entry);
+            all_->faults.push_back(entry);
         } else if (!result.invalid.empty() || !result.response) {
             add_not_counting(progress.number, result.invalid.empty()
                                                   ? std::string(to_string(result.outcome))
@@ -208,52 +212,51 @@ void LiveBoard::attempted(const protocols::Progress& progress,
             entry["answer"] = given.object ? protocol_.objects.at(*given.object).name
                                            : fmt::format("{}", given.place + 1);
             entry["correct"] = json_or_null(given.correct);
-            lists_->answers.push_back(std::move(entry));
+            all_->answers.push_back(std::move(entry));
         }
-        keep_newest(lists_->faults);
+        keep_newest(all_->faults);
         show();
     });
 }
 
 void LiveBoard::add_not_counting(const protocols::TrialNumber& trial, const std::string& why) {
-    data::Json& entry = lists_->not_counting.emplace_back(of_trial(trial));
+    data::Json& entry = all_->not_counting.emplace_back(of_trial(trial));
     entry["why"] = why;
-    keep_newest(lists_->not_counting);
+    keep_newest(all_->not_counting);
 }
 
-void LiveBoard::marked(const protocols::MarkReply& reply,
-                       const std::string& reason,
-                       bool alarm) noexcept {
+void LiveBoard::marked(const protocols::MarkReply& reply, bool alarm) noexcept {
     unless_no_memory([&] {
+        const std::string why = (reply.reason.empty() ? "" : ": ") + reply.reason;
         if (!reply.found) {  // whoever asked was answered before the trial's end
-            noted("a mark found no answer that counts" + (reason.empty() ? "" : ": " + reason));
+            noted("a mark found no answer that counts" + why);
         } else {
             alarm_ = alarm;
-            const bool waits = phase_ == LivePhase::rest || phase_ == LivePhase::pause;
+            const bool waits = phase_ == SessionStep::rest || phase_ == SessionStep::pause;
             trial_ = waits ? reply.next : trial_;
             facts_.answered -= std::min<std::size_t>(1, facts_.answered);
             facts_.left += reply.runs_again ? 1U : 0U;
-            add_not_counting(reply.number, "marked" + (reason.empty() ? "" : ": " + reason));
+            add_not_counting(reply.number, "marked" + why);
             show();
         }
     });
 }
 
-void LiveBoard::noted(const std::string& text) noexcept {
+void LiveBoard::noted(const std::string& text,
+                      const std::optional<protocols::TrialNumber>& trial) noexcept {
     unless_no_memory([&] {
-        const bool in_trial = phase_ == LivePhase::explore || phase_ == LivePhase::question;
-        data::Json note = in_trial ? of_trial(trial_) : data::Json{{"trial", nullptr}};
+        data::Json note = trial ? of_trial(*trial) : data::Json{{"trial", nullptr}};
         note["at"] = data::utc_now();
         note["text"] = text;
-        lists_->notes.push_back(std::move(note));
-        keep_newest(lists_->notes);
+        all_->notes.push_back(std::move(note));
+        keep_newest(all_->notes);
         show();
     });
 }
 
 void LiveBoard::checked(const std::string& found) noexcept {
     unless_no_memory([&] {
-        facts_.check = found;
+        all_->device["check"] = found;
         show();
     });
 }
@@ -267,8 +270,7 @@ void LiveBoard::reveal() noexcept {
 /// The older half of all lists. @return there was something
 bool LiveBoard::forget_half() {
     bool any = false;
-    for (data::Json* list :
-         {&lists_->notes, &lists_->not_counting, &lists_->faults, &lists_->answers}) {
+    for (data::Json* list : {&all_->notes, &all_->not_counting, &all_->faults, &all_->answers}) {
         const auto half = static_cast<std::ptrdiff_t>((list->size() + 1) / 2);
         list->erase(list->begin(), list->begin() + half);
         any |= half > 0;
@@ -277,33 +279,30 @@ bool LiveBoard::forget_half() {
 }
 
 std::string LiveBoard::text() const {
-    data::Json state{{"session", facts_.uuid},
-                     {"kind", facts_.kind},
-                     {"participant", facts_.participant},
-                     {"number", facts_.number},
-                     {"protocol", protocol_.id},
-                     {"title", protocol_.title},
-                     {"phase", kPhases.at(static_cast<std::size_t>(phase_)).first},
-                     {"sentence", sentence()},
-                     {"trial", trial_.number},
-                     {"trials", trial_.total},
-                     {"practice", trial_.practice},
-                     {"remaining", facts_.left},
-                     {"remaining_min", json_or_null(minutes_)},
-                     {"next_break_in", json_or_null(next_break())},
-                     {"answered", facts_.answered},
-                     {"alarm", alarm_},
-                     {"pausing", wishes_[0]},
-                     {"solved", phase_ == LivePhase::trouble && trouble_.solved},
-                     {"force", {{"on", json_or_null(force_on())}, {"why", why()}}},
-                     {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
-                                : revealed_                                  ? "shown"
-                                                                             : "ask"},
-                     {"ended", json_or_null(ended_)}};
+    data::Json state = all_->session;
+    state.update({{"phase", kPhases.at(static_cast<std::size_t>(phase_)).first},
+                  {"sentence", sentence()},
+                  {"trial", trial_.number},
+                  {"trials", trial_.total},
+                  {"practice", trial_.practice},
+                  {"remaining", facts_.left},
+                  {"remaining_min", json_or_null(minutes_)},
+                  {"next_break_in", json_or_null(next_break())},
+                  {"answered", facts_.answered},
+                  {"alarm", alarm_},
+                  {"pausing", wishes_[0]},
+                  {"markable", markable_ ? data::Json{{"trial_id", markable_->id},
+                                                      {"name", number_text(markable_->number)}}
+                                         : data::Json(nullptr)},
+                  {"solved", phase_ == SessionStep::trouble && trouble_.solved},
+                  {"force", {{"on", json_or_null(force_on())}, {"why", why()}}},
+                  {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
+                             : revealed_                                  ? "shown"
+                                                                          : "ask"},
+                  {"ended", json_or_null(ended_)}});
     add_device(state);
-    state["not_counting"] = lists_->not_counting;
-    state["faults"] = lists_->faults;
-    state["notes"] = lists_->notes;
+    state.update(
+        {{"not_counting", all_->not_counting}, {"faults", all_->faults}, {"notes", all_->notes}});
     add_hidden(state);
     return one_line(state);
 }
@@ -311,15 +310,11 @@ std::string LiveBoard::text() const {
 void LiveBoard::add_device(data::Json& state) const {
     // Whoever lets go ends the exploration.
     const auto dead_man = protocol_.safety.dead_man && facts_.gives_force
-                            ? std::optional(phase_ == LivePhase::explore)
+                            ? std::optional(phase_ == SessionStep::explore)
                             : std::nullopt;
-    state["device"] = {{"name", facts_.device},
-                       {"calibration", json_or_null(facts_.calibration)},
-                       {"round_trip_us", json_or_null(facts_.round_trip_us)},
-                       {"check", json_or_null(facts_.check)},
-                       {"watchdog", json_or_null(facts_.watchdog)},
-                       {"dead_man", json_or_null(dead_man)}};
-    const bool noise = phase_ == LivePhase::ready || phase_ == LivePhase::explore;
+    state["device"] = all_->device;
+    state["device"]["dead_man"] = json_or_null(dead_man);
+    const bool noise = phase_ == SessionStep::ready || phase_ == SessionStep::explore;
     state["masking"] = facts_.masking_db
                          ? data::Json{{"on", noise}, {"level_db", *facts_.masking_db}}
                          : data::Json(nullptr);
@@ -345,15 +340,15 @@ void LiveBoard::add_hidden(data::Json& state) const {
             hidden["outline"].push_back({point.x, point.y});
         }
     }
-    hidden["answers"] = lists_->answers;
+    hidden["answers"] = all_->answers;
 }
 
 std::string LiveBoard::sentence() const {
     const std::string_view begun = kPhases.at(static_cast<std::size_t>(phase_)).second;
     const bool second =
-        interval_ == 2 && (phase_ == LivePhase::ready || phase_ == LivePhase::explore);
-    return phase_ == LivePhase::trouble ? trouble_.sentence
-         : phase_ == LivePhase::ended   ? fmt::format("{} {}", begun, ended_)
+        interval_ == 2 && (phase_ == SessionStep::ready || phase_ == SessionStep::explore);
+    return phase_ == SessionStep::trouble ? trouble_.sentence
+         : phase_ == SessionStep::ended   ? fmt::format("{} {}", begun, ended_)
          : begun.ends_with(' ')
              ? fmt::format("{}{}{}", begun, number_text(trial_), second ? ", second interval" : "")
              : std::string(begun);
@@ -361,19 +356,19 @@ std::string LiveBoard::sentence() const {
 
 std::optional<bool> LiveBoard::force_on() const {
     return wishes_[2] ? std::nullopt
-                      : std::optional(phase_ == LivePhase::explore && facts_.gives_force &&
+                      : std::optional(phase_ == SessionStep::explore && facts_.gives_force &&
                                       !desk_.wants_stop());
 }
 
 std::string LiveBoard::why() const {
     const char* barred = desk_.barred();
-    return wishes_[2]                   ? engine::kForceUnproved
-         : !facts_.gives_force          ? "this device gives no force"
-         : barred != nullptr            ? barred
-         : desk_.wants_stop()           ? "stopped"
-         : phase_ == LivePhase::trouble ? trouble_.sentence
-         : phase_ == LivePhase::explore ? "exploring"
-                                        : "nothing is felt now";
+    return wishes_[2]                     ? engine::kForceUnproved
+         : !facts_.gives_force            ? "this device gives no force"
+         : barred != nullptr              ? barred
+         : desk_.wants_stop()             ? "stopped"
+         : phase_ == SessionStep::trouble ? trouble_.sentence
+         : phase_ == SessionStep::explore ? "exploring"
+                                          : "nothing is felt now";
 }
 
 std::optional<std::size_t> LiveBoard::next_break() const {

@@ -14,6 +14,7 @@
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
+#include "protocols/trial/observer_beside.hpp"
 #include "protocols/trial/presentation.hpp"
 #include "data/csv/json_text.hpp"
 #include "ui/live/live_segment.hpp"
@@ -23,34 +24,15 @@ namespace palpate::ui {
 /// What is known of a session before it runs.
 struct LiveFacts {
     std::string uuid{};
-    std::string file{};  ///< the database
-    std::string kind{};
-    std::string participant{};
-    std::size_t number = 1;  ///< of the session
+    std::string file{};     ///< the database
+    std::string session{};  ///< JSON as it is shown: "session", "participant", "title", ...
+    std::string device{};   ///< the same: "name", "calibration", "check" of the rig, ...
     std::string operator_name{};
-    std::string device{};
-    std::string calibration{};  ///< its name; empty: none
-    std::string check{};        ///< of the rig; empty: none
-    std::string watchdog{};     ///< of the device: ends the force when this machine does not
-    std::optional<double> round_trip_us{};  ///< none: it was not measured
     bool gives_force = false;
     bool screen = false;                 ///< a person sits at one
     std::optional<double> masking_db{};  ///< none: no noise is played
     std::size_t answered = 0;
     std::size_t left = 0;
-};
-
-enum class LivePhase : std::uint8_t {
-    welcome,
-    ready,
-    explore,
-    question,
-    feedback,
-    gap,
-    rest,
-    pause,
-    trouble,
-    ended
 };
 
 /// A session as it is shown: blind until reveal(), which means that nothing of what is felt or
@@ -67,13 +49,13 @@ public:
     [[nodiscard]] const LiveFacts& facts() const noexcept { return facts_; }
     [[nodiscard]] const protocols::Protocol& protocol() const noexcept { return protocol_; }
     [[nodiscard]] int descriptor() const noexcept { return writer_.descriptor(); }
-    [[nodiscard]] LivePhase phase() const noexcept { return phase_; }
+    [[nodiscard]] protocols::SessionStep phase() const noexcept { return phase_; }
     [[nodiscard]] bool revealed() const noexcept { return revealed_; }
     /// As it is shown.
     [[nodiscard]] const protocols::TrialNumber& trial() const noexcept { return trial_; }
 
     /// Where the session is; shown if that is new.
-    void enter(LivePhase phase, const protocols::TrialView* trial = nullptr) noexcept;
+    void enter(protocols::SessionStep phase, const protocols::TrialView* trial = nullptr) noexcept;
     void enter(const protocols::TroubleView& trouble) noexcept;
     void end(std::string_view how) noexcept;
     /// What the running interval lets one feel.
@@ -83,8 +65,18 @@ public:
     void attempted(const protocols::Progress& progress,
                    std::optional<double> minutes,
                    bool alarm) noexcept;
-    void marked(const protocols::MarkReply& reply, const std::string& reason, bool alarm) noexcept;
-    void noted(const std::string& text) noexcept;
+    void marked(const protocols::MarkReply& reply, bool alarm) noexcept;
+    /// @param trial  that the note is kept with; none: with none
+    void noted(const std::string& text,
+               const std::optional<protocols::TrialNumber>& trial = {}) noexcept;
+    /// What a mark is of from here on: the running trial, or the last one.
+    struct Markable {
+        protocols::TrialId id = 0;
+        protocols::TrialNumber number{};
+    };
+    [[nodiscard]] const std::optional<Markable>& markable() const noexcept { return markable_; }
+    /// trial() was begun.
+    void began(protocols::TrialId trial) noexcept { markable_ = {.id = trial, .number = trial_}; }
     /// The rig was proved again, or was refused.
     void checked(const std::string& found) noexcept;
     void reveal() noexcept;
@@ -98,7 +90,7 @@ public:
 private:
     static constexpr std::array<double, 8> kEdges{5, 10, 20, 50, 100, 200, 500, 1000};
     using Bins = std::array<std::uint64_t, kEdges.size() + 1>;
-    struct Lists;  ///< as they are shown
+    struct Shown;  ///< as it is shown
 
     /// All of it as JSON, in one line.
     [[nodiscard]] std::string text() const;
@@ -123,12 +115,13 @@ private:
     const protocols::Plan& plan_;
     const protocols::OperatorDesk& desk_;
     LiveWriter writer_;
-    LivePhase phase_ = LivePhase::welcome;
+    protocols::SessionStep phase_ = protocols::SessionStep::welcome;
     std::int64_t phase_ns_ = 0;
     std::int64_t shown_ns_ = 0;
     std::array<bool, 3> wishes_{};  ///< a pause, a stop, doubt of the force: as they are shown
     protocols::TrialNumber trial_{};
     std::size_t interval_ = 1;
+    std::optional<Markable> markable_{};
     protocols::TroubleView trouble_{};
     std::optional<double> minutes_{};
     bool alarm_ = false;
@@ -138,9 +131,8 @@ private:
     std::uint64_t ticks_ = 0;
     std::uint64_t stale_ = 0;
     std::size_t per_shown_;  ///< ticks
-    std::uint64_t fed_ = 0;
     engine::TickRecord last_{};  ///< that was shown
-    std::unique_ptr<Lists> lists_;
+    std::unique_ptr<Shown> all_;
     bool revealed_ = false;
     std::optional<protocols::Presentation> felt_{};
     std::vector<engine::Vec2> outline_;  ///< of what is felt, m; nothing before it is revealed

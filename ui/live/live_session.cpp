@@ -18,6 +18,8 @@
 #include "ui/rig/operator_log.hpp"
 
 namespace palpate::ui {
+using protocols::SessionStep;
+
 namespace {
 
 constexpr std::size_t kLongestText = 2000;
@@ -146,6 +148,7 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
     const data::Json asked = object_in(line);
     const std::string what = text_in(asked, "do");
     const std::string text = text_in(asked, what == "mark" ? "reason" : "text");
+    const data::Json trial = asked.value("trial", data::Json());
     const auto* obeyed = std::ranges::find(kObeyed, what, &Obey::first);
     if (what == "state" && reader_) {
         answer_state(*caller);
@@ -170,7 +173,8 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
     } else if (what != "reveal" || may_reveal(text_in(asked, "word"), *caller)) {
         const std::scoped_lock lock(mutex_);
         if (inbox_.size() < kInbox) {
-            inbox_.push_back({obeyed->second, text, caller});
+            inbox_.push_back({obeyed->second, text, caller,
+                              trial.is_number_integer() ? trial.get<std::int64_t>() : 0});
             asked_ = true;
         } else {
             caller->answer(false, "too much was asked for at once: nothing was done");
@@ -188,8 +192,8 @@ void LiveSession::look() {
         board_->reveal();
     }
     board_->look();
-    if (beside_ && board_->phase() != LivePhase::explore &&
-        board_->phase() != LivePhase::question) {
+    if (beside_ && board_->phase() != SessionStep::explore &&
+        board_->phase() != SessionStep::question) {
         beside_();
     }
 }
@@ -205,7 +209,7 @@ void LiveSession::obey_all() {
         asked_ = false;
     }
     for (const Asked& asked : all) {
-        if (board_->phase() == LivePhase::ended) {
+        if (board_->phase() == SessionStep::ended) {
             asked.caller->answer(false, "the session is over: nothing was done");
         } else {
             (this->*asked.obey)(asked);
@@ -215,7 +219,7 @@ void LiveSession::obey_all() {
 
 /// The answer comes once it is on the disk.
 void LiveSession::note(const Asked& asked) {
-    board_->noted(asked.text);
+    board_->noted(asked.text, trial_ ? std::optional(board_->trial()) : std::nullopt);
     recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial_},
                           [caller = asked.caller] { caller->answer(true, "noted"); });
 }
@@ -242,7 +246,7 @@ void LiveSession::reveal(const Asked& asked) {
 
 void LiveSession::pause(const Asked& asked) {
     const Caller& caller = *asked.caller;
-    if (board_->phase() == LivePhase::pause || board_->phase() == LivePhase::trouble) {
+    if (board_->phase() == SessionStep::pause || board_->phase() == SessionStep::trouble) {
         caller.answer(false, "it waits already");
     } else if (desk_.wants_pause()) {
         caller.answer(true, "it pauses before the next trial, as was asked before");
@@ -255,13 +259,13 @@ void LiveSession::pause(const Asked& asked) {
 /// A pause alone: after a stop weak pulses may move the handle, and whoever goes on is to see it.
 void LiveSession::go_on(const Asked& asked) {
     const Caller& caller = *asked.caller;
-    const LivePhase phase = board_->phase();
-    if (phase == LivePhase::trouble) {
+    const SessionStep phase = board_->phase();
+    if (phase == SessionStep::trouble) {
         caller.answer(
             false,
             "at the participant's screen alone, where the handle is seen: Ctrl+Shift+P, or "
             "what it says there");
-    } else if (const bool waits = phase == LivePhase::pause; waits || desk_.wants_pause()) {
+    } else if (const bool waits = phase == SessionStep::pause; waits || desk_.wants_pause()) {
         if (desk_.wants_pause() != waits) {  // else somebody else asked before
             desk_.pause();
         }
@@ -272,23 +276,28 @@ void LiveSession::go_on(const Asked& asked) {
 }
 
 void LiveSession::mark(const Asked& asked) {
-    reply_.reset();
-    if (!asked.text.empty()) {  // a second one does not take away why
-        reason_ += (reason_.empty() ? "" : "; ") + asked.text;
+    const auto& markable = board_->markable();
+    if (asked.trial != 0 && (!markable || asked.trial != markable->id)) {
+        asked.caller->answer(
+            false, fmt::format("another trial has begun since: nothing is marked; palpate mark "
+                               "FILE {} --invalid REASON does it once the session is over",
+                               asked.trial));
+        return;
     }
-    desk_.mark(reason_);
-    if (reply_ || !markable_) {
+    reply_.reset();
+    desk_.mark(asked.text);
+    if (reply_ || !markable) {
         const protocols::MarkReply reply = reply_.value_or(protocols::MarkReply{});
         asked.caller->answer(reply.found, trimmed(mark_text(reply), "\n"));
     } else {
         asked.caller->answer(true, fmt::format("{} is marked once it is over, if its answer counts",
-                                               number_text(*markable_)));
+                                               number_text(markable->number)));
     }
 }
 
 void LiveSession::marked(const protocols::MarkReply& reply, bool alarm) {
     reply_ = reply;
-    board_->marked(reply, std::exchange(reason_, {}), alarm);
+    board_->marked(reply, alarm);
 }
 
 }  // namespace palpate::ui

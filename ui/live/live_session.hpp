@@ -35,6 +35,7 @@ public:
     /// @param how  "finished", "ended early", ...
     void end(std::string_view how);
     [[nodiscard]] LiveBoard& board() noexcept { return *board_; }
+    [[nodiscard]] protocols::OperatorDesk& desk() noexcept { return desk_; }
 
     /// Does what was asked for; called again and again on the session's thread.
     void pump() {
@@ -47,13 +48,16 @@ public:
     /// The running trial, for notes; none between trials.
     void in_trial(std::optional<protocols::TrialId> trial) noexcept {
         trial_ = trial;
-        markable_ = trial ? std::optional(board_->trial()) : markable_;
+        if (trial) {
+            board_->began(*trial);
+        }
     }
     void marked(const protocols::MarkReply& reply, bool alarm);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
     /// "noted" | "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}.
-    /// "noted" is in the file already, and is shown. On the socket's thread.
+    /// "noted" is in the file already, and is shown. A mark may say of which "trial" (its trial_id)
+    /// it is meant: of another one it is none. On the socket's thread.
     void hear(const std::string& line, const std::shared_ptr<Caller>& caller);
 
 private:
@@ -61,6 +65,7 @@ private:
         void (LiveSession::*obey)(const Asked&);
         std::string text;
         std::shared_ptr<Caller> caller;
+        std::int64_t trial = 0;  ///< the trial_id that is meant; 0: the running or last one
     };
     /// A second step: the word that has to come back, and until when.
     struct Word {
@@ -105,9 +110,7 @@ private:
 
     std::function<void()> beside_;
     std::optional<protocols::TrialId> trial_{};
-    std::optional<protocols::TrialNumber> markable_{};  ///< the trial that runs, or the last one
     bool reveal_wanted_ = false;
-    std::string reason_;  ///< of the mark that is on its way
     std::optional<protocols::MarkReply> reply_{};
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -16,6 +17,7 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/chain.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/font.hpp"
@@ -152,18 +154,23 @@ LiveFacts live_facts(const RigSpec& spec,
         database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
     const auto check =
         std::ranges::find(felt.opening, protocols::kRigCheck, &protocols::Event::key);
-    return {.uuid = std::string(row.text(0)),
+    const auto round_trip =
+        felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt;
+    return {.uuid = row.text(0),
             .file = std::filesystem::absolute(database.file()).string(),
-            .kind = std::string(to_string(spec.kind)),
-            .participant = spec.key.participant,
-            .number = spec.key.session,
+            .session = one_line({{"session", row.text(0)},
+                                 {"kind", to_string(spec.kind)},
+                                 {"participant", spec.key.participant},
+                                 {"number", spec.key.session},
+                                 {"protocol", spec.study.protocol.id},
+                                 {"title", spec.study.protocol.title}}),
+            .device = one_line(
+                {{"name", felt.port->device_name()},
+                 {"calibration", json_or_null(word_of(felt.provenance, "calibration name"))},
+                 {"round_trip_us", json_or_null(round_trip)},
+                 {"check", json_or_null(check == felt.opening.end() ? "" : check->value)},
+                 {"watchdog", json_or_null(word_of(felt.provenance, "device watchdog"))}}),
             .operator_name = spec.operator_name,
-            .device = felt.port->device_name(),
-            .calibration = word_of(felt.provenance, "calibration name"),
-            .check = check == felt.opening.end() ? "" : check->value,
-            .watchdog = word_of(felt.provenance, "device watchdog"),
-            .round_trip_us =
-                felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
             .gives_force = gives_force(spec.device.kind),
             .answered = opened.progress.pending().answered(),
             .left = opened.progress.pending().order().size()};

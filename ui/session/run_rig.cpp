@@ -325,7 +325,7 @@ RigEnd run_rig(data::Database& database,
                                                              record, masking.required)
                           : nullptr;
     live.begin(std::move(facts), protocol, session.plan, record);
-    LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
+    LiveObserver shown(masked ? *masked : observers.port(), live);
     LiveRecorder shown_record(record, live);
     const auto lines = stop_lines(database, rig);
     serve_page(spec, live);

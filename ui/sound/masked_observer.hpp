@@ -9,7 +9,7 @@
 
 #include "engine/base/clock.hpp"
 #include "protocols/session/recorder.hpp"
-#include "protocols/trial/observer.hpp"
+#include "protocols/trial/observer_beside.hpp"
 #include "ui/sound/faded_noise.hpp"
 #include "ui/sound/noise_player.hpp"
 
@@ -23,71 +23,33 @@ namespace palpate::ui {
 /// ready() returns once the noise has come in fully. If the sound device is lost, what was not
 /// heard is an event "masking" with the number of the trial as shown; where masking is `required`
 /// the next ready() throws then.
-class MaskedObserver : public protocols::Observer {
-    using Signal = protocols::Signal;
-    using TrialView = protocols::TrialView;
-
+class MaskedObserver : public protocols::ObserverBeside {
 public:
     /// All outlive this one.
     MaskedObserver(protocols::Observer& observer,
                    NoisePlayer& player,
                    protocols::Recorder& recorder,
                    bool required)
-        : observer_(observer), player_(player), recorder_(recorder), required_(required) {}
+        : ObserverBeside(observer), player_(player), recorder_(recorder), required_(required) {}
     ~MaskedObserver() override { player_.off(); }
 
-    [[nodiscard]] Signal welcome(const protocols::SessionView& session) override {
-        return observer_.welcome(session);
-    }
     /// @throws std::runtime_error if the device is lost and masking is required
-    [[nodiscard]] Signal ready(const TrialView& trial) override {
-        if (required_ && !player_.works()) {
-            recorder_.event({.kind = protocols::EventKind::masking,
-                             .text = "the sound device was lost: the session ends"});
-            throw std::runtime_error(
-                "the sound device for the masking noise was lost: connect it again, then give the "
-                "same command to go on");
-        }
-        trial_ = fmt::format("{} {}", trial.practice ? "practice" : "trial", trial.number);
-        player_.on();
-        const Signal signal = observer_.ready(trial);
-        if (signal != Signal::go_on) {
-            end();
-            return signal;
-        }
-        begin();
+    [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override {
+        const protocols::Signal signal = ObserverBeside::ready(trial);
+        signal == protocols::Signal::go_on ? begin() : end();
         return signal;
     }
-    [[nodiscard]] protocols::ExplorationStep explore(const TrialView& trial,
-                                                     double elapsed_s) override {
-        return observer_.explore(trial, elapsed_s);
-    }
-    void feel(std::span<const engine::TickRecord> ticks) override { observer_.feel(ticks); }
-    [[nodiscard]] protocols::Choice choose(const TrialView& trial,
-                                           const protocols::Question& question) override {
-        end();
-        return observer_.choose(trial, question);
-    }
-    [[nodiscard]] Signal feedback(const TrialView& trial, bool correct) override {
-        return observer_.feedback(trial, correct);
-    }
+
+protected:
     /// Between two intervals of a trial the noise goes on, and after an answer there is none.
-    [[nodiscard]] Signal gap(double seconds) override { return observer_.gap(seconds); }
-    [[nodiscard]] Signal rest(double seconds, const TrialView& next) override {
-        end();
-        return observer_.rest(seconds, next);
-    }
-    [[nodiscard]] Signal pause(const TrialView& next) override {
-        end();
-        return observer_.pause(next);
-    }
-    [[nodiscard]] std::optional<Signal> trouble(const protocols::TroubleView& view) override {
-        end();
-        return observer_.trouble(view);
-    }
-    void finish(const protocols::SessionView& session) override {
-        end();
-        observer_.finish(session);
+    void enter(protocols::SessionStep step, const protocols::TrialView* trial) override {
+        using Step = protocols::SessionStep;
+        if (step == Step::ready) {
+            come_in(*trial);
+        } else if (step != Step::welcome && step != Step::explore && step != Step::feedback &&
+                   step != Step::gap) {
+            end();
+        }
     }
 
 private:
@@ -100,6 +62,17 @@ private:
     /// and their clocks run a little differently.
     static constexpr double kSilenceBearable = 0.2;
 
+    void come_in(const protocols::TrialView& trial) {
+        if (required_ && !player_.works()) {
+            recorder_.event({.kind = protocols::EventKind::masking,
+                             .text = "the sound device was lost: the session ends"});
+            throw std::runtime_error(
+                "the sound device for the masking noise was lost: connect it again, then give the "
+                "same command to go on");
+        }
+        trial_ = fmt::format("{} {}", trial.practice ? "practice" : "trial", trial.number);
+        player_.on();
+    }
     void begin() {
         const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(kLongestWait * 1e9);
         while (!player_.full() && player_.works() && monotonic_ns() < until) {
@@ -128,7 +101,6 @@ private:
         }
     }
 
-    protocols::Observer& observer_;
     NoisePlayer& player_;
     protocols::Recorder& recorder_;
     bool required_;

@@ -32,6 +32,7 @@
 
   const seconds = () => performance.now() / 1000;
   const NO_FORCE = 'No force any more.';
+  const UNPROVED = 'Nothing proves that the motors are off: hands off the handle, switch off the motors\u2019 supply.';
   const is = value => value !== null && value !== undefined;
   /// Only what is another value is written: nothing else is laid out and painted again.
   function set(of, name, value) {
@@ -520,13 +521,14 @@
 
   on('stop', async () => {
     const answer = await act({ do: 'stop' });
-    if (answer.ok) say(answer.proved, answer.proved ? NO_FORCE : state.force.why);
+    if (answer.ok) say(answer.proved, answer.proved ? NO_FORCE : UNPROVED);
   });
   on('pause', () => act({ do: goesOn() ? 'go on' : 'pause' }));
   on('mark', async () => {
-    const reason = await ask('Does not count', 'The running or last trial is kept, marked, and run again.', 'Why (kept with it)',
-      'Does not count');
-    if (reason !== null) act({ do: 'mark', reason: reason });
+    const meant = state.markable;  // what is typed takes a while
+    const reason = await ask('Does not count', (is(meant) ? meant.name : 'The running or last trial') + ' is kept, marked, and run again.',
+      'Why (kept with it)', 'Does not count');
+    if (reason !== null) act({ do: 'mark', reason: reason, trial: is(meant) ? meant.trial_id : null });
   });
   on('end', async () => {
     const first = await act({ do: 'end' });
@@ -550,6 +552,7 @@
     if (answer.ok) {
       asked = true;
       listen();
+      $('felt-h').focus();  // its button is gone
     }
   });
   $('ask-form').addEventListener('submit', () => { $('ask').returnValue = 'yes'; });
