@@ -63,6 +63,18 @@ void push_plant(PantographPlant& plant, const Pulse& pulse, std::size_t last, do
     }
 }
 
+/// @param expected, measured  in one unit   @param counts  between them
+PulseMatch compared(const Vec3& expected, const Vec3& measured, double counts) {
+    const double length = glm::length(expected);
+    if (!(length > 0.0)) {
+        return {.share = 0.0, .angle = kPi, .counts = counts};
+    }
+    return {.share = glm::length(measured) / length,
+            .angle =
+                arc_tan2(glm::length(glm::cross(expected, measured)), glm::dot(expected, measured)),
+            .counts = counts};
+}
+
 PulseMatch match_linkage(const PantographSpec& spec,
                          const Pulse& pulse,
                          const HandleDynamics& dynamics,
@@ -74,23 +86,16 @@ PulseMatch match_linkage(const PantographSpec& spec,
     const auto end = machine.angles(samples[last].counts);
     const auto from = machine.locate(start);
     if (!from) {
-        return {.share = 0.0, .angle = kPi, .counts = HUGE_VAL};
+        return compared({}, {}, HUGE_VAL);
     }
     PantographPlant plant = free_handle(spec, dynamics);
     plant.begin({.start = from->hip, .tremor = 0.0});
     push_plant(plant, pulse, last, delay);
     const Vec2 expected{plant.angles()[0] - start[0], plant.angles()[1] - start[1]};
     const Vec2 measured{end[0] - start[0], end[1] - start[1]};
-    const double length = glm::length(expected);
-    const double counts =
-        std::fmax(std::fabs(expected.x - measured.x) / spec.axes[0].count_angle(),
-                  std::fabs(expected.y - measured.y) / spec.axes[1].count_angle());
-    if (!(length > 0.0)) {
-        return {.share = 0.0, .angle = kPi, .counts = counts};
-    }
-    return {.share = glm::length(measured) / length,
-            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured))),
-            .counts = counts};
+    return compared(Vec3(expected, 0.0), Vec3(measured, 0.0),
+                    std::fmax(std::fabs(expected.x - measured.x) / spec.axes[0].count_angle(),
+                              std::fabs(expected.y - measured.y) / spec.axes[1].count_angle()));
 }
 
 PulseMatch match_axes(const GantrySpec& spec,
@@ -101,16 +106,8 @@ PulseMatch match_axes(const GantrySpec& spec,
     const std::size_t last = std::min(pulse.turn, pulse.samples.size() - 1);
     const Vec3 expected = predicted_way(gantry, pulse, last, axes, delay);
     const Vec3 measured = way_of(gantry, pulse, last);
-    const double length = glm::length(expected);
     const Vec3 off = glm::abs(expected - measured) / gantry.quantum();
-    const double counts = std::fmax(off.x, std::fmax(off.y, off.z));
-    if (!(length > 0.0)) {
-        return {.share = 0.0, .angle = kPi, .counts = counts};
-    }
-    return {.share = glm::length(measured) / length,
-            .angle =
-                arc_tan2(glm::length(glm::cross(expected, measured)), glm::dot(expected, measured)),
-            .counts = counts};
+    return compared(expected, measured, std::fmax(off.x, std::fmax(off.y, off.z)));
 }
 
 }  // namespace

@@ -74,8 +74,8 @@ double narrowest(std::span<const MarkReading> marks) {
         xy += away.x * away.y;
         yy += away.y * away.y;
     }
-    const double smallest = 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy));
-    return std::sqrt(std::fmax(smallest, 0.0) / static_cast<double>(marks.size()));
+    const double smallest = singular_values({.row_x = {xx, xy}, .row_y = {xy, yy}}).smallest;
+    return std::sqrt(smallest / static_cast<double>(marks.size()));
 }
 
 /// The zeros, and the changes of the turn of one count: least squares of

@@ -207,12 +207,15 @@ std::string rest_text(const Margins& margins) {
     if (!margins.reading_error) {
         return {};
     }
+    const auto shown = [](double value) {  // two digits or more, and never as 5e+02
+        return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+    };
     return fmt::format(
-        "positions are read to within {:.2g} um: a contact comes to rest if the handle's dry "
-        "friction is {:.2g} N or more, with less it may creep on{}",
-        1e6 * *margins.reading_error, margins.resting_friction,
+        "positions are read to within {} um: a contact comes to rest if the handle's dry "
+        "friction is {} N or more, with less it may creep on{}",
+        shown(1e6 * *margins.reading_error), shown(margins.resting_friction),
         std::isfinite(margins.creep)
-            ? fmt::format(", at {:.2g} mm/s at the very most", 1e3 * margins.creep)
+            ? fmt::format(", at {} mm/s at the very most", shown(1e3 * margins.creep))
             : std::string());
 }
 

@@ -215,24 +215,26 @@ TEST_CASE("torques, zero, reset and replies are the bytes of the table", "[haply
 
 TEST_CASE("id 0, foreign ports and pins, and torques beyond the board are refused", "[haply]") {
     CHECK_FALSE(torque_packet(0, {0.0, 0.0}));
-    CHECK_THROWS_WITH(reset_packet(0), Has("give 1 to 255"));
-    CHECK_THROWS_WITH(setup_packet({.id = 0, .counts_per_turn = {1.0, 1.0}}), Has("id is 0"));
-    CHECK_THROWS_WITH(setup_packet({.sensor_pin = 53, .counts_per_turn = {1.0, 1.0}}),
-                      Has("54 to 65"));
     const Calibration good = palpate::tests::emulated_calibration();
+    HaplyWiring nobody = *good.haply;
+    nobody.id = 0;
+    CHECK_THROWS_WITH(haply_setup(nobody, good.pantograph), Has("give 1 to 255"));
+    HaplyWiring pinned = *good.haply;
+    pinned.grip_pin = 53;
+    CHECK_THROWS_WITH(haply_setup(pinned, good.pantograph), Has("54 to 65"));
     for (const auto& ports :
          {std::array<std::uint8_t, 2>{1, 1}, std::array<std::uint8_t, 2>{0, 1},
           std::array<std::uint8_t, 2>{2, 3}, std::array<std::uint8_t, 2>{3, 4}}) {
         HaplyWiring wiring = *good.haply;
         wiring.port = ports;
-        CHECK_THROWS_WITH(haply_setup(wiring, good.pantograph), Has("use 1 and 2 in either order"));
+        CHECK_THROWS_WITH(haply_setup(wiring, good.pantograph), Has("port of the Haply board is"));
     }
     PantographSpec strong = good.pantograph;
     strong.axes[1].torque_limit = 0.124;
     CHECK_THROWS_WITH(haply_setup(*good.haply, strong), Has("is 124 mN m", "gives 123 at most"));
     PantographSpec blind = good.pantograph;
     blind.axes[0].counts_per_turn = std::numeric_limits<double>::quiet_NaN();
-    CHECK_THROWS_WITH(setup_packet(haply_setup(*good.haply, blind)), Has("counts a turn"));
+    CHECK_THROWS_WITH(haply_setup(*good.haply, blind), Has("counts per turn of axis 1 is nan"));
 }
 
 TEST_CASE("a torque that is no finite float never becomes a packet", "[haply][law]") {

@@ -53,6 +53,18 @@ TEST_CASE("calibrate finds counts per turn when asked, with three marks", "[cali
     CHECK(std::fabs(axes[1].counts_per_turn / 65536.0 - 1.0) < 1e-3);
 }
 
+TEST_CASE("calibrate says that marks at one place prove nothing, however many",
+          "[calibrate][law]") {
+    const TemporaryFolder folder;
+    const auto said = [&](const std::string& marks) {
+        return ended(calibrate(marks + " -o " + folder.file("desk.toml"))).out;
+    };
+    for (const char* together : {"--mark 0,20", "--mark 0,20 --mark 0,20 --mark 1,21"}) {
+        CHECK_THAT(said(together), Has("Marks at one place are always met"));
+    }
+    CHECK_THAT(said("--mark 0,20 --mark 0,20 --mark 0,31"), !Has("always met"));
+}
+
 TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[calibrate]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("desk.toml");
@@ -63,6 +75,8 @@ TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[ca
     };
     const Case cases[] = {
         {"--device haptix", 2, "no such device"},
+        {"--device haply", 2, "--device haply: say which one, as haply:PORT"},
+        {"--device comedi:", 2, "say which one, as comedi:FILE"},
         {"--preset mk9", 2, "mk9:1:1: there is no such calibration"},
         {"--mark 40", 2, "as in --mark 0,40"},
         {"--mark 40,x", 2, "as in --mark 0,40"},

@@ -1,3 +1,4 @@
+#include "protocols/file/calibration_file.hpp"
 #include "tests/support/program.hpp"
 
 namespace {
@@ -93,6 +94,16 @@ TEST_CASE("blocks and the first-order order of a file reach the plan that is run
     replace(file, "order = \"random\"", "order = \"first_order\"");
     CHECK_THAT(ran({"check", file, "--long"}).out,
                Has("first-order balanced", "111 trials: 11 practice, 100 main"));
+}
+
+TEST_CASE("check says how coarse encoders are without a power of ten", "[cli][law]") {
+    const TemporaryFile file("coarse.toml");
+    engine::Calibration coarse = protocols::load_calibration("2diy_gen3");
+    coarse.pantograph.axes[0].counts_per_turn = coarse.pantograph.axes[1].counts_per_turn = 400.0;
+    write(file, protocols::to_toml(coarse));
+    const Finished said = palpate_command({"check", "shape_friction_haply", "--calibration", file});
+    CHECK_THAT(said.out, Has("positions are read to within 9", " um: ", " mm/s at the very most"));
+    CHECK_THAT(said.out, !Has("e+0"));
 }
 
 TEST_CASE("check says first how long it takes, where the breaks are and what to think of",

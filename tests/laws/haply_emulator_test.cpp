@@ -96,6 +96,18 @@ TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply
     CHECK(std::filesystem::file_size(folder.file("notes")) == 4);
     CHECK_THAT(ran({"haply-emulator", "--link", "/proc/no/such/place"}, 1).error,
                Has("name a file in a folder that you may write"));
+    CHECK_THAT(ran({"haply-emulator", "--free", "--start", "900,0"}, 2).error,
+               Has("--start 900,0: the handle of 2diy_gen3 does not reach there"));
+    const std::string link = folder.file("board");
+    Process first({palpate_program(), "haply-emulator", "--link", link});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    const auto leads_to = std::filesystem::read_symlink(link);
+    for (const Words& kind : {Words{}, Words{"--open"}}) {
+        CHECK_THAT(ran(joined({"haply-emulator", "--link", link}, kind), 1).error,
+                   Has("is there: end it, or give another name"));
+        CHECK(std::filesystem::read_symlink(link) == leads_to);
+    }
+    CHECK(first.ended_by(SIGINT) == 0);
 }
 
 TEST_CASE("who had the port open before is named and left as it was, and nothing begins beside it",

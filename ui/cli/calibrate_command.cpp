@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -102,8 +103,13 @@ void print_found(const engine::Calibration& found,
         say("axis {}: zero {:.4f} deg, {:.2f} counts a turn\n", i + 1, axis.zero * kDegree,
             axis.counts_per_turn);
     }
-    if (readings.size() == 1) {
-        say("One mark is always met: a second one would tell whether the lengths fit.\n");
+    constexpr double kApart = 0.010;  // m
+    if (std::ranges::all_of(readings, [&](const engine::MarkReading& one) {
+            return glm::length(one.place - readings.front().place) < kApart;
+        })) {
+        say("Marks at one place are always met: one {:g} mm away or more would tell whether the "
+            "lengths fit.\n",
+            1e3 * kApart);
     }
 }
 

@@ -1,5 +1,4 @@
 #include <array>
-#include <cstdio>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -156,8 +155,8 @@ void serve(
     Port& port, const SetDelay& set_delay, const Obey& obey, const Look& look, double delay) {
     catch_signals();
     engine::run_like_a_board();
-    fmt::print("{}\n", port.path());
-    std::fflush(stdout);
+    say("{}\n", port.path());
+    set_delay(delay);
     InputLines lines;
     while (!interrupted()) {
         port.step(delay > 0.0 ? kDelayStepUs : kStepUs);
@@ -229,7 +228,6 @@ void live(
     const double delay = 1e-3 * options.delay_ms;
     if (!options.open) {
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
-        board.set_faults({.delay = delay});
         engine::PtyBoard terminal(board, options.link);
         return serve(
             terminal, [&](double s) { board.set_faults({.delay = s}); },
@@ -237,7 +235,6 @@ void live(
             delay);
     }
     engine::OpenBoard board(plant, machine, *machine.board);
-    board.delay_answers(delay);
     const SetDelay set_delay = [&](double s) {
         board.delay_answers(s);
     };
@@ -365,6 +362,8 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     plant.handle_friction = options.handle_friction;
     engine::Exploration plan;
     plan.start = options.start.empty() ? plan.start : parse_place(options.start, "--start");
+    refuse_if(!options.start.empty() && !engine::Pantograph(machine.pantograph).reach(plan.start),
+              "--start {}: the handle of {} does not reach there", options.start, machine.name());
     engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
     live_brought<2>(options, machine, handle,
@@ -377,6 +376,7 @@ int run(const EmulatorOptions& options) {
               options.preset,
               options.open ? "open board; give 2diy_gen3 or a file with [pantograph.board]"
                            : "Haply board; give 2diy_gen3, 2diy_gen2 or haplet");
+    require_free(options.link);
     if (machine.gantry) {
         live_in_space(options, machine);
     } else if (options.free) {

@@ -12,6 +12,7 @@
 #include <sys/sysmacros.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/drivers/udp_link.hpp"
 
@@ -32,15 +33,15 @@ std::optional<std::string> after(std::string_view text, std::string_view word) {
 struct DeviceWord {
     std::string_view name;
     Kind kind;
-    bool takes_file;
+    std::string_view takes;  ///< what stands behind its colon; empty: it has none
 };
-constexpr std::array<DeviceWord, 7> kDevices{{{"sim", Kind::simulated, false},
-                                              {"mouse", Kind::mouse, false},
-                                              {"haply", Kind::haply, true},
-                                              {"haply-emulator", Kind::haply_emulator, false},
-                                              {"board", Kind::board, true},
-                                              {"comedi", Kind::comedi, true},
-                                              {"replay", Kind::replay, true}}};
+constexpr std::array<DeviceWord, 7> kDevices{{{"sim", Kind::simulated, ""},
+                                              {"mouse", Kind::mouse, ""},
+                                              {"haply", Kind::haply, "PORT"},
+                                              {"haply-emulator", Kind::haply_emulator, ""},
+                                              {"board", Kind::board, "PORT"},
+                                              {"comedi", Kind::comedi, "FILE"},
+                                              {"replay", Kind::replay, "FILE"}}};
 
 DeviceChoice replay_of(std::string file) {
     DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
@@ -119,10 +120,12 @@ DeviceChoice parse_device(std::string_view text) {
     std::vector<std::string_view> names;
     for (const DeviceWord& one : kDevices) {
         names.push_back(one.name);
-        if (!one.takes_file && text == one.name) {
+        if (one.takes.empty() && text == one.name) {
             return {.kind = one.kind, .file = {}};
         }
-        if (auto file = one.takes_file ? after(text, one.name) : std::nullopt) {
+        refuse_if(!one.takes.empty() && trimmed(text, ":") == one.name,
+                  "--device {}: say which one, as {}:{}", text, one.name, one.takes);
+        if (auto file = one.takes.empty() ? std::nullopt : after(text, one.name)) {
             if (one.kind == Kind::board && file->starts_with(engine::kUdp)) {
                 static_cast<void>(engine::udp_address(*file));  // throws before anything is made
             }
@@ -191,6 +194,14 @@ Behind behind(const DeviceChoice& choice) {
         seen = true;
     }
     return {.unseen = !words.empty() && !seen};
+}
+
+void require_free(const std::string& link) {
+    const auto other = behind({.kind = Kind::haply, .file = link}).emulator;
+    refuse_if<std::runtime_error>(
+        other.has_value(),
+        "--link {}: palpate haply-emulator, process {}, is there: end it, or give another name",
+        link, other.value_or(0));
 }
 
 std::string other_behind(const DeviceChoice& choice, const Behind& before) {

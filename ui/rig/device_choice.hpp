@@ -79,6 +79,9 @@ struct Behind {
 /// to hold it (the program of another user, or of a container), it is unseen.
 [[nodiscard]] Behind behind(const DeviceChoice& choice);
 
+/// @throws std::runtime_error if palpate haply-emulator is behind that link already
+void require_free(const std::string& link);
+
 /// The same asked again, of a device that began anew.
 /// @param before  when the session's kind was chosen by it
 /// @return why the session may not go on with what is there now, a sentence with the remedy; empty:

@@ -91,14 +91,15 @@ void draw_shape(Window& window,
 using protocols::Question;
 using protocols::ResponseKind;
 
-std::vector<Card> in_a_row(std::size_t count, const Vec2& size, double gap, const Vec2& window) {
+/// @param middle  of the cards, as a share of the window's height
+std::vector<Card> in_a_row(
+    std::size_t count, const Vec2& size, double gap, const Vec2& window, double middle = 0.5) {
     const auto n = static_cast<double>(count);
     const double left = 0.5 * (window.x - n * size.x - (n - 1.0) * gap);
+    const double top = middle * window.y - 0.5 * size.y;
     std::vector<Card> cards;
     for (std::size_t i = 0; i < count; ++i) {
-        cards.push_back(
-            {Vec2{left + static_cast<double>(i) * (size.x + gap), 0.5 * (window.y - size.y)},
-             size});
+        cards.push_back({Vec2{left + static_cast<double>(i) * (size.x + gap), top}, size});
     }
     return cards;
 }
@@ -121,21 +122,25 @@ void draw_blank(Window& window, const Card& card, bool chosen) {
     window.triangles(rectangle(card.corner, card.size), kCard);
 }
 
+/// Which key takes a card, below it. @param down  in lines of type
+void write_number(Window& window, const Card& card, std::size_t index, double down, bool chosen) {
+    const double type = type_size(window.size());
+    window.text(fmt::format("{}", index + 1),
+                {card.centre().x, card.corner.y + card.size.y + down * type}, 1.3 * type,
+                chosen ? kAccent : kText);
+}
+
 /// The pictures on their cards, all at one scale and about one centre, with their numbers below.
 void draw_pictures(Window& window,
                    std::span<const Card> cards,
                    std::span<const protocols::Picture> pictures,
                    std::optional<std::size_t> selected) {
     const Box box = box_of(pictures);
-    const double type = type_size(window.size());
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         const Card& card = cards[i];
-        const bool chosen = selected == i;
-        draw_blank(window, card, chosen);
+        draw_blank(window, card, selected == i);
         window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
-        window.text(fmt::format("{}", i + 1),
-                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
-                    chosen ? kAccent : kText);
+        write_number(window, card, i, 1.2, selected == i);
     }
 }
 
@@ -152,12 +157,8 @@ void draw_words(Window& window,
     const double type = type_size(window.size());
     const std::vector<Card> cards = lay_out_words(words.size(), window.size());
     for (std::size_t i = 0; i < cards.size(); ++i) {
-        const Card& card = cards[i];
-        const bool chosen = selected == i;
-        draw_card(window, card, words[i], 1.9 * type, chosen);
-        window.text(fmt::format("{}", i + 1),
-                    {card.centre().x, card.corner.y + card.size.y + 1.5 * type}, 1.3 * type,
-                    chosen ? kAccent : kText);
+        draw_card(window, cards[i], words[i], 1.9 * type, selected == i);
+        write_number(window, cards[i], i, 1.5, selected == i);
     }
 }
 
@@ -173,15 +174,7 @@ std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
     const auto n = static_cast<double>(count);
     const double gap = 0.016 * window.x;
     const double width = (0.96 * window.x - (n - 1.0) * gap) / n;
-    const double height = std::min(width, 0.46 * window.y);
-    const double left = 0.02 * window.x;
-    std::vector<Card> cards;
-    for (std::size_t i = 0; i < count; ++i) {
-        cards.push_back(
-            {Vec2{left + static_cast<double>(i) * (width + gap), 0.49 * window.y - 0.5 * height},
-             Vec2{width, height}});
-    }
-    return cards;
+    return in_a_row(count, {width, std::min(width, 0.46 * window.y)}, gap, window, 0.49);
 }
 
 std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixel) {

@@ -119,6 +119,21 @@ std::string_view bring(const Words& words, const StartMark& mark) {
 
 }  // namespace
 
+ExploreFace explore_face(const protocols::TrialView& trial,
+                         double elapsed_s,
+                         protocols::ResponseKind asks,
+                         bool dead_man) {
+    return {.number = trial.number,
+            .total = trial.total,
+            .practice = trial.practice,
+            .may_finish = elapsed_s >= trial.explore_min_s,
+            .prompt = elapsed_s >= trial.explore_prompt_s,
+            .dead_man = dead_man,
+            .interval = trial.interval,
+            .intervals = trial.intervals,
+            .asks_shape = asks == protocols::ResponseKind::identification};
+}
+
 void draw(Window& window, const WelcomeFace& face) {
     const Words& words = window.words();
     const std::string& instruction = window.instructions().welcome;

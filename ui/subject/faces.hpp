@@ -64,6 +64,12 @@ struct ExploreFace {
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
 
+/// Of a trial that is felt since `elapsed_s`. @param asks  what comes after it
+[[nodiscard]] ExploreFace explore_face(const protocols::TrialView& trial,
+                                       double elapsed_s,
+                                       protocols::ResponseKind asks,
+                                       bool dead_man = false);
+
 /// The question with its answers, which are the same for every trial of a session.
 struct ChooseFace {
     static constexpr std::string_view kName = "question";

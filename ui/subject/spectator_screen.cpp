@@ -53,15 +53,7 @@ public:
 
     [[nodiscard]] ExplorationStep explore(const protocols::TrialView& trial,
                                           double elapsed_s) override {
-        const ExploreFace face{.number = trial.number,
-                               .total = trial.total,
-                               .practice = trial.practice,
-                               .may_finish = elapsed_s >= trial.explore_min_s,
-                               .prompt = elapsed_s >= trial.explore_prompt_s,
-                               .dead_man = false,
-                               .interval = trial.interval,
-                               .intervals = trial.intervals,
-                               .asks_shape = asks_ == protocols::ResponseKind::identification};
+        const ExploreFace face = explore_face(trial, elapsed_s, asks_);
         if (exploring_ != face) {
             exploring_ = face;
             stage_.show(face);

@@ -179,21 +179,9 @@ void SubjectScreen::pass_on(const Input& input) {
     }
 }
 
-ExploreFace SubjectScreen::face_of(const protocols::TrialView& trial, double elapsed_s) const {
-    return {.number = trial.number,
-            .total = trial.total,
-            .practice = trial.practice,
-            .may_finish = elapsed_s >= trial.explore_min_s,
-            .prompt = elapsed_s >= trial.explore_prompt_s,
-            .dead_man = options_.dead_man,
-            .interval = trial.interval,
-            .intervals = trial.intervals,
-            .asks_shape = options_.asks == protocols::ResponseKind::identification};
-}
-
 ExplorationStep SubjectScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
     const std::int64_t entered = monotonic_ns();
-    const ExploreFace face = face_of(trial, elapsed_s);
+    const ExploreFace face = explore_face(trial, elapsed_s, options_.asks, options_.dead_man);
     if (!exploring_) {
         begin_exploring();
     }

@@ -85,7 +85,6 @@ private:
         const protocols::Question& question,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     [[nodiscard]] PointerMap pointer_map();
-    [[nodiscard]] ExploreFace face_of(const protocols::TrialView& trial, double elapsed_s) const;
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);

@@ -70,16 +70,10 @@ bool set_apart(pid_t process) {
     if (geteuid() != 0) {
         words.emplace_back("--user");
     }
-    for (const char* word :
-         {"call", "org.freedesktop.systemd1", "/org/freedesktop/systemd1",
-          "org.freedesktop.systemd1.Manager", "StartTransientUnit", "ssa(sv)a(sa(sv))"}) {
-        words.emplace_back(word);
-    }
-    for (const std::string& word :
-         {"palpate-guard-" + id + ".scope", std::string("fail"), std::string("1"),
-          std::string("PIDs"), std::string("au"), std::string("1"), id, std::string("0")}) {
-        words.push_back(word);
-    }
+    words.insert(words.end(),
+                 {"call", "org.freedesktop.systemd1", "/org/freedesktop/systemd1",
+                  "org.freedesktop.systemd1.Manager", "StartTransientUnit", "ssa(sv)a(sa(sv))",
+                  "palpate-guard-" + id + ".scope", "fail", "1", "PIDs", "au", "1", id, "0"});
     const std::string ours = group_of("self");
     bool apart = false;
     if (ran(words)) {

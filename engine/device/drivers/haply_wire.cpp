@@ -3,8 +3,6 @@
 #include <bit>
 #include <cmath>
 
-#include "engine/base/refuse.hpp"
-
 namespace palpate::engine {
 namespace {
 
@@ -12,8 +10,6 @@ constexpr std::uint8_t kReset = 0;
 constexpr std::uint8_t kSetup = 1;
 constexpr std::uint8_t kExchange = 2;
 constexpr std::uint8_t kPorts12 = 0b11;
-constexpr std::uint8_t kFirstPin = 54;
-constexpr std::uint8_t kLastPin = 65;
 
 void add(HaplyPacket& packet, std::uint8_t byte) noexcept {
     packet.bytes[packet.size++] = byte;
@@ -31,17 +27,6 @@ void add_port_pair(HaplyPacket& packet, const std::array<bool, 2>& clockwise) no
     for (const bool cw : clockwise) {
         add(packet, static_cast<std::uint8_t>(cw ? 0 : 1));
     }
-}
-
-void refuse_id_0(std::uint8_t id) {
-    refuse_if(id == 0,
-              "the Haply device id is 0, which the board takes for every port that was not set up: "
-              "give 1 to 255 (5 for a 2DIY, 3 for a Haplet)");
-}
-
-void refuse_pin(const std::optional<std::uint8_t>& pin) {
-    refuse_if(pin && (*pin < kFirstPin || *pin > kLastPin),
-              "the Haply grip pin is {}: give 54 to 65, which are A0 to A11", pin.value_or(0));
 }
 
 }  // namespace
@@ -64,30 +49,18 @@ std::array<std::uint8_t, 4> wire_bytes(float value) noexcept {
 }
 
 HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph) {
-    refuse_id_0(wiring.id);
-    refuse_pin(wiring.grip_pin);
-    const auto [one, two] = wiring.port;
-    refuse_if(!((one == 1 && two == 2) || (one == 2 && two == 1)),
-              "the Haply ports of pivots 1 and 2 are {} and {}: use 1 and 2 in either order, since "
-              "the board mixes up the directions of others",
-              one, two);
+    check({.pantograph = pantograph, .haply = wiring});
     HaplySetup setup{.id = wiring.id, .sensor_pin = wiring.grip_pin};
     for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const Axis& axis = pantograph.axes[pivot];
-        refuse_if(!(axis.torque_limit <= kHaplyTorque),
-                  "the torque limit of pivot {} is {:.9g} mN m: a Haply board gives 123 at most",
-                  pivot + 1, 1e3 * axis.torque_limit);
         const std::size_t slot = wiring.port[pivot] - 1U;
         setup.motor_clockwise[slot] = wiring.motor_clockwise[pivot];
         setup.encoder_clockwise[slot] = wiring.encoder_clockwise[pivot];
-        setup.counts_per_turn[slot] = axis.counts_per_turn;
+        setup.counts_per_turn[slot] = pantograph.axes[pivot].counts_per_turn;
     }
     return setup;
 }
 
-HaplyPacket setup_packet(const HaplySetup& setup) {
-    refuse_id_0(setup.id);
-    refuse_pin(setup.sensor_pin);
+HaplyPacket setup_packet(const HaplySetup& setup) noexcept {
     HaplyPacket packet;
     add(packet, kSetup);
     add(packet, setup.id);
@@ -99,19 +72,13 @@ HaplyPacket setup_packet(const HaplySetup& setup) {
     }
     add(packet, std::uint8_t{0});  // no PWM pins
     for (std::size_t i = 0; i < 2; ++i) {
-        const double resolution = setup.counts_per_turn[i];
-        refuse_if(!std::isfinite(setup.offset_deg[i]) || !(resolution > 0.0 && resolution < 1e9),
-                  "the encoder at port {} has {:.9g} counts a turn from {:.9g} degrees: give "
-                  "finite numbers, counts above 0",
-                  i + 1, resolution, setup.offset_deg[i]);
         add(packet, setup.offset_deg[i]);
-        add(packet, resolution);
+        add(packet, setup.counts_per_turn[i]);
     }
     return packet;
 }
 
-HaplyPacket reset_packet(std::uint8_t id) {
-    refuse_id_0(id);
+HaplyPacket reset_packet(std::uint8_t id) noexcept {
     HaplyPacket packet;
     add(packet, kReset);
     add(packet, id);

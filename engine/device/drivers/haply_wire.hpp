@@ -51,16 +51,16 @@ struct HaplyReply {
 
 /// The set-up of a calibrated pantograph. Offsets are 0: the present pose becomes count 0, small
 /// numbers keep their bits in a float, and where count 0 lies is the host's business.
-/// @throws std::invalid_argument for id 0, for ports other than 1 and 2, for a sensor pin that is
-///         not 54 to 65, for a resolution or a torque limit that the board does not have
+/// @throws std::invalid_argument what check() of such a calibration refuses: id 0, ports other than
+///         1 and 2, a sensor pin that is not 54 to 65, a torque that the board does not have
 [[nodiscard]] HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph);
 
-/// @throws std::invalid_argument for id 0, a pin outside 54 to 65, or numbers that are not finite
-[[nodiscard]] HaplyPacket setup_packet(const HaplySetup& setup);
+/// Of what haply_setup() gave.
+[[nodiscard]] HaplyPacket setup_packet(const HaplySetup& setup) noexcept;
 
 /// Clears the addresses of all motors and encoders. It leaves the motors as they are: send zero
-/// torque before. @throws std::invalid_argument for id 0
-[[nodiscard]] HaplyPacket reset_packet(std::uint8_t id);
+/// torque before. @param id  not 0, as haply_setup() has it
+[[nodiscard]] HaplyPacket reset_packet(std::uint8_t id) noexcept;
 
 /// Zero torque for a board of which nothing is known, of which 0 are the motors that were not set
 /// up, four at most: 3 is no command, and four of them as a torque are 4e-37 N m, no step of the

@@ -49,12 +49,20 @@ struct EmulatedBoard::Shared {
     std::atomic<bool> refused{false};
     std::atomic<bool> done{false};
 
-    std::atomic<bool> plug_wanted{true};
-    std::atomic<bool> plugged{true};
-    std::atomic<bool> silent_wanted{false};
-    std::atomic<bool> silent{false};
-    std::atomic<bool> stop_wanted{false};
-    std::atomic<bool> stop_pressed{false};
+    struct Switch {
+        std::atomic<bool> wanted{false};
+        std::atomic<bool> is{false};
+
+        /// What was wanted is done.
+        template <class Turn>
+        void follow(Turn turn) {
+            if (const bool now = wanted.load(); now != is.load()) {
+                turn(now);
+                is.store(now);
+            }
+        }
+    };
+    Switch unplugged, silent, stopped;
 };
 
 namespace {
@@ -77,18 +85,9 @@ void obey(Shared& shared, BoardHand& hand, PortBoard& board, PtyBoard& terminal)
         shared.done.store(hand.hand_is_done());
         shared.begun.store(ordered);
     }
-    if (const bool in = shared.plug_wanted.load(); in != terminal.plugged()) {
-        terminal.plug(in);
-    }
-    shared.plugged.store(terminal.plugged());
-    if (const bool silent = shared.silent_wanted.load(); silent != shared.silent.load()) {
-        board.hush(silent);
-        shared.silent.store(silent);
-    }
-    if (const bool stop = shared.stop_wanted.load(); stop != shared.stop_pressed.load()) {
-        board.press_stop(stop);
-        shared.stop_pressed.store(stop);
-    }
+    shared.unplugged.follow([&](bool out) { terminal.plug(!out); });
+    shared.silent.follow([&](bool on) { board.hush(on); });
+    shared.stopped.follow([&](bool on) { board.press_stop(on); });
 }
 
 void tell(Shared& shared, const BoardHand& hand, const PortBoard& board) noexcept {
@@ -239,18 +238,18 @@ bool EmulatedBoard::hand_is_done() const noexcept {
 }
 
 void EmulatedBoard::plug(bool in) {
-    shared_->plug_wanted.store(in);
-    await([&] { return shared_->plugged.load() == in; }, in ? "come back" : "go away");
+    shared_->unplugged.wanted.store(!in);
+    await([&] { return shared_->unplugged.is.load() != in; }, in ? "come back" : "go away");
 }
 
 void EmulatedBoard::press_stop(bool pressed) {
-    shared_->stop_wanted.store(pressed);
-    await([&] { return shared_->stop_pressed.load() == pressed; }, "obey");
+    shared_->stopped.wanted.store(pressed);
+    await([&] { return shared_->stopped.is.load() == pressed; }, "obey");
 }
 
 void EmulatedBoard::hush(bool silent) {
-    shared_->silent_wanted.store(silent);
-    await([&] { return shared_->silent.load() == silent; }, "obey");
+    shared_->silent.wanted.store(silent);
+    await([&] { return shared_->silent.is.load() == silent; }, "obey");
 }
 
 std::unique_ptr<BoardDevice> open_haply(const std::string& path,

@@ -260,9 +260,6 @@ bool HaplyBoard::command_is_cut() const noexcept {
     }
     if (in_[0] == 1) {
         std::size_t at = 2;  // of the mask, then of each count
-        const auto skip = [&](std::size_t items) {
-            at += 1 + items;
-        };
         std::size_t encoders = 0;
         for (int list = 0; list < 4; ++list) {
             if (at >= size) {
@@ -273,7 +270,7 @@ bool HaplyBoard::command_is_cut() const noexcept {
                 items = static_cast<std::size_t>(__builtin_popcount(in_[at] & 0xFU));
                 encoders = items;
             }
-            skip(items);
+            at += 1 + items;
         }
         return size < at + 8 * encoders;
     }

@@ -8,44 +8,6 @@
 
 namespace palpate::engine {
 
-/// What the firmware asks of its chip, on the board that runs it.
-struct Platform {
-    [[nodiscard]] static OpenBoard& of(board* which) noexcept {
-        return *static_cast<OpenBoard*>(which->owner);
-    }
-    static void motors_off(board* which) noexcept {
-        of(which).enabled_ = false;
-        of(which).duty_ = {};
-        of(which).drive();
-    }
-    static void motors_on(board* which) noexcept { of(which).enabled_ = true; }
-    static void duty(board* which, std::uint8_t motor, std::int16_t duty) noexcept {
-        of(which).duty_[motor] = duty;
-        of(which).drive();
-    }
-    [[nodiscard]] static bool stop_pressed(board* which) noexcept {
-        return of(which).stop_pressed_;
-    }
-    static void sense(board* which, board_sense& sense) noexcept {
-        const OpenBoard& emulated = of(which);
-        const auto counts = emulated.true_counts();
-        sense.time_us = static_cast<std::uint32_t>(emulated.polls_ * 50);
-        for (std::size_t i = 0; i < emulated.machine_.axes(); ++i) {
-            sense.count[i] = counts[i] - emulated.zero_[i];
-        }
-        sense.skipped_edge = emulated.skipped_;
-        sense.lost_bytes = false;
-    }
-    static void forget(board* which, bool zero) noexcept {
-        OpenBoard& emulated = of(which);
-        emulated.skipped_ = false;
-        if (zero) {
-            emulated.plant_->before_set_up();
-            emulated.zero_ = emulated.true_counts();
-        }
-    }
-};
-
 OpenBoard::OpenBoard(BoardPlant& plant, const Calibration& machine, const OpenWiring& wired)
     : plant_(&plant), machine_(machine), wired_(wired) {
     facts_.id = wired.id.value_or(0);
@@ -68,7 +30,7 @@ void OpenBoard::power_cycle() {
     out_.clear();
     letters_.clear();
     board_begin(&board_, &facts_, this);
-    Platform::motors_off(&board_);
+    platform_motors_off(&board_);
     zero_ = true_counts();
 }
 
@@ -147,7 +109,15 @@ std::optional<OpenBoard::Letter> OpenBoard::letter() {
 
 }  // namespace palpate::engine
 
-// What the firmware calls.
+// What the firmware asks of its chip, on the board that runs it.
+namespace {
+
+palpate::engine::OpenBoard& emulated_by(board* which) noexcept {
+    return *static_cast<palpate::engine::OpenBoard*>(which->owner);
+}
+
+}  // namespace
+
 std::uint64_t platform_nonce() {
     std::uint64_t nonce = 0;
     while (getrandom(&nonce, sizeof nonce, 0) != static_cast<ssize_t>(sizeof nonce)) {
@@ -159,20 +129,35 @@ std::uint8_t platform_lock() {
 }
 void platform_unlock(std::uint8_t /*was*/) {}
 void platform_motors_off(board* which) {
-    palpate::engine::Platform::motors_off(which);
+    emulated_by(which).enabled_ = false;
+    emulated_by(which).duty_ = {};
+    emulated_by(which).drive();
 }
 void platform_motors_on(board* which) {
-    palpate::engine::Platform::motors_on(which);
+    emulated_by(which).enabled_ = true;
 }
 void platform_duty(board* which, std::uint8_t motor, std::int16_t duty) {
-    palpate::engine::Platform::duty(which, motor, duty);
+    emulated_by(which).duty_[motor] = duty;
+    emulated_by(which).drive();
 }
 bool platform_stop_pressed(board* which) {
-    return palpate::engine::Platform::stop_pressed(which);
+    return emulated_by(which).stop_pressed_;
 }
 void platform_sense(board* which, board_sense* sense) {
-    palpate::engine::Platform::sense(which, *sense);
+    const palpate::engine::OpenBoard& emulated = emulated_by(which);
+    const auto counts = emulated.true_counts();
+    sense->time_us = static_cast<std::uint32_t>(emulated.polls_ * 50);
+    for (std::size_t i = 0; i < emulated.machine_.axes(); ++i) {
+        sense->count[i] = counts[i] - emulated.zero_[i];
+    }
+    sense->skipped_edge = emulated.skipped_;
+    sense->lost_bytes = false;
 }
 void platform_forget(board* which, bool zero) {
-    palpate::engine::Platform::forget(which, zero);
+    palpate::engine::OpenBoard& emulated = emulated_by(which);
+    emulated.skipped_ = false;
+    if (zero) {
+        emulated.plant_->before_set_up();
+        emulated.zero_ = emulated.true_counts();
+    }
 }

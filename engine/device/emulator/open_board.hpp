@@ -51,7 +51,12 @@ public:
     [[nodiscard]] int state() const noexcept { return board_.state; }
 
 private:
-    friend struct Platform;
+    friend void ::platform_motors_off(board*);
+    friend void ::platform_motors_on(board*);
+    friend void ::platform_duty(board*, std::uint8_t, std::int16_t);
+    friend bool ::platform_stop_pressed(board*);
+    friend void ::platform_sense(board*, board_sense*);
+    friend void ::platform_forget(board*, bool);
 
     [[nodiscard]] std::array<std::int32_t, kMaxAxes> true_counts() const noexcept;
     [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
