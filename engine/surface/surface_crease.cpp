@@ -58,16 +58,21 @@ bool SurfaceGround::look_beyond(const Footing& at, SurfaceHeading& over, Surface
     return true;
 }
 
-/// Of a way along an edge: the other side of it bars the way as well, and both carry.
+bool SurfaceGround::leads_over(const SurfaceSpot& s, bool in_u) noexcept {
+    const Vec2 way = parameters(s.jet, s.along);
+    return in_u ? leaves(s.place.u, way.x) : leaves(s.place.v, way.y);
+}
+
+/// Of a way along an edge: both its sides bar the way over it, and both carry.
 bool SurfaceGround::crease_beyond(const Footing& at) noexcept {
     SurfaceSpot other;
     SurfaceHeading over;
     if (!look_beyond(at, over, other)) {
         return false;
     }
-    const Vec2 way = parameters(other.jet, other.along);
-    const bool off = over.in_u ? leaves(other.place.u, way.x) : leaves(other.place.v, way.y);
-    return off && between(at.spot, other) == Between::crease;
+    const bool from_u = at.way == Footing::Way::along_v;
+    return leads_over(at.spot, from_u) && leads_over(other, over.in_u) &&
+           between(at.spot, other) == Between::crease;
 }
 
 /// In the cone of one side: that counts on whose side of all normals between theirs HIP is.
@@ -111,13 +116,22 @@ void SurfaceGround::in_crease(Footing& at, const Vec3& way) const noexcept {
 /// by a tip.
 void SurfaceGround::at_corner(Footing& best, const SurfaceObject::Around& all) noexcept {
     using Way = Footing::Way;
-    if (best.way == Way::along_u || best.way == Way::along_v) {
-        if (crease_beyond(best)) {
-            in_crease(best, best.way == Way::along_u ? best.spot.jet.du : best.spot.jet.dv);
+    const auto along_crease = [&](Way way) {
+        const bool crease = crease_beyond({best.spot, way});
+        if (crease) {
+            in_crease(best, way == Way::along_u ? best.spot.jet.du : best.spot.jet.dv);
         }
+        return crease;
+    };
+    if (best.way == Way::along_u || best.way == Way::along_v) {
+        along_crease(best.way);
         return;
     }
-    if (best.way != Way::held || all.open) {
+    if (best.way != Way::held) {
+        return;
+    }
+    if (all.open) {  // held by the end of a crease both its sides still carry
+        static_cast<void>(along_crease(Way::along_u) || along_crease(Way::along_v));
         return;
     }
     if (!surface_.behind_edge(best.spot.place, best.spot.r)) {

@@ -110,6 +110,8 @@ private:
     [[nodiscard]] int rank(const Footing& f) const noexcept;
     /// The drive leads off the patch.
     [[nodiscard]] static bool leads_off(const SurfaceSpot& s) noexcept;
+    /// Over its edge u = 0 or 1 (`in_u`), or v = 0 or 1.
+    [[nodiscard]] static bool leads_over(const SurfaceSpot& s, bool in_u) noexcept;
     /// Along the edge that the place is on.
     [[nodiscard]] static Vec3 edge_of(const SurfaceSpot& s) noexcept;
     /// Two sides of an edge that both bar the way over it.
