@@ -15,17 +15,6 @@ bool smooth(const Vec3& a, const Vec3& b) noexcept {
     return glm::dot(turn, turn) < kSmooth * kSmooth && glm::dot(a, b) > 0.0;
 }
 
-void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept {
-    const Stretch<3> parts = stretch<3>(s.r, normal);
-    s.normal = normal;
-    s.along = parts.tangential;
-    s.length = parts.length;
-    s.load = parts.load;
-    s.cone = cone_radius<true>(mu, s.load);
-    s.excess = s.length - s.cone;
-    s.rounding = 1e-14 * s.cone + s.noise;
-}
-
 bool SurfaceGround::leads_off(const SurfaceSpot& s) noexcept {
     const Vec2 way = parameters(s.jet, s.along);
     return leaves(s.place.u, way.x) || leaves(s.place.v, way.y);

@@ -42,7 +42,16 @@ struct Footing {
 [[nodiscard]] bool smooth(const Vec3& a, const Vec3& b) noexcept;
 
 /// The spot as it is felt with another normal.
-void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept;
+[[gnu::always_inline]] inline void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept {
+    const Stretch<3> parts = stretch<3>(s.r, normal);
+    s.normal = normal;
+    s.along = parts.tangential;
+    s.length = parts.length;
+    s.load = parts.load;
+    s.cone = cone_radius<true>(mu, s.load);
+    s.excess = s.length - s.cone;
+    s.rounding = 1e-14 * s.cone + s.noise;
+}
 
 /// What the god-object finds under its feet.
 class SurfaceGround {

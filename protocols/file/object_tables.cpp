@@ -32,8 +32,6 @@ WordList words_of(SetTable::Set) {
 }
 
 constexpr Range kCurvature{.min = -1000.0, .max = 1000.0};
-/// The largest coordinate, m: the squares of distances to farther places would overflow or round
-/// away.
 
 using enum Need;
 
