@@ -64,17 +64,37 @@ bool SurfaceGround::crease_beyond(const Footing& at) noexcept {
            between(at.spot, other) == Between::crease;
 }
 
-/// In the cone of one side: that counts on whose side of all normals between theirs HIP is.
-void SurfaceGround::rest_in_crease(Footing& at) noexcept {
-    SurfaceSpot other;
+bool SurfaceGround::look_over_crease(const Footing& at, SurfaceSpot& other) noexcept {
     SurfaceHeading over;
     if (!look_beyond(at, over, other) || smooth(at.spot.normal, other.normal)) {
-        return;
+        return false;
     }
     const bool high = (over.in_u ? other.place.u : other.place.v) == 1.0;
     const Vec3 into = (high ? -1.0 : 1.0) * (over.in_u ? other.jet.du : other.jet.dv);
-    if (!(glm::dot(into, at.spot.normal) > 0.0)) {
-        return;  // convex
+    return glm::dot(into, at.spot.normal) > 0.0;
+}
+
+/// Where its own patch leads on: in the cone of the other side of a crease it rests all the same,
+/// and where both lead out of the crease it goes along the one behind which HIP is.
+void SurfaceGround::ask_beyond_crease(Footing& at) noexcept {
+    Footing next;
+    if (!look_over_crease(at, next.spot) || !(next.spot.load > 0.0)) {
+        return;
+    }
+    on_patch(next);
+    if (next.way == Footing::Way::rests) {
+        at = next;
+        rest_in_crease(at);
+    } else if (next.way == Footing::Way::open && at.spot.load <= 0.0) {
+        at = next;
+    }
+}
+
+/// In the cone of one side: that counts on whose side of all normals between theirs HIP is.
+void SurfaceGround::rest_in_crease(Footing& at) noexcept {
+    SurfaceSpot other;
+    if (!look_over_crease(at, other)) {
+        return;
     }
     at.crease = true;
     if (leads_off(at.spot) && leads_off(other)) {
@@ -116,10 +136,11 @@ void SurfaceGround::at_corner(Footing& best, const SurfaceObject::Around& all) n
         along_crease(best.way);
         return;
     }
-    if (best.way != Way::held) {
+    const bool rests = best.way == Way::rests && mu_ > 0.0 && all.open;
+    if (best.way != Way::held && !rests) {
         return;
     }
-    if (all.open) {  // held by the end of a crease both its sides still carry
+    if (all.open) {  // at the end of a crease both its sides still carry
         static_cast<void>(along_crease(Way::along_u) || along_crease(Way::along_v));
         return;
     }

@@ -118,10 +118,15 @@ void SurfaceGround::footing(Footing& best) noexcept {
     if (rests && mu_ > 0.0) {
         if (on_one_edge && !pole) {
             rest_in_crease(best);
+        } else if (!pole) {
+            at_corner(best, surface_.around(p));
         }
         return;
     }
     if (!pole && best.way == Footing::Way::open) {
+        if (on_one_edge && mu_ > 0.0) {
+            ask_beyond_crease(best);
+        }
         return;
     }
     const SurfaceObject::Around all = surface_.around(p);

@@ -130,7 +130,10 @@ private:
                                    SurfaceHeading& over,
                                    SurfaceSpot& s) noexcept;
     [[nodiscard]] bool crease_beyond(const Footing& at) noexcept;
+    /// The same place on the other side of a concave crease. @return false: it is none
+    [[nodiscard]] bool look_over_crease(const Footing& at, SurfaceSpot& other) noexcept;
     void rest_in_crease(Footing& at) noexcept;
+    void ask_beyond_crease(Footing& at) noexcept;
     void in_crease(Footing& at, const Vec3& way) const noexcept;
     void at_corner(Footing& best, const SurfaceObject::Around& all) noexcept;
     [[nodiscard]] Footing at_pole(const SurfacePlace& place) noexcept;

@@ -294,7 +294,7 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
     std::string space_path = "t_s,x_m,y_m,z_m\n";
     for (int k = 0; k < 2000; ++k) {
         const double t = 1e-3 * k;
-        const double x = 0.045 * std::sin(6.3 * t);
+        const double x = std::min(2.5 * t, 1.0) * 0.07 * std::sin(6.3 * t);
         const double z = k < 200 ? 0.03 - 2.5e-4 * k : -0.02 - 0.003 * std::sin(11.0 * t);
         plane_path += fmt::format("{},{},{}\n", t, x, z);
         space_path += fmt::format("{},{},0.0,{}\n", t, x, z);
