@@ -171,7 +171,8 @@ std::vector<WavySide> wavy(Random& random) {
 TEST_CASE(
     "a wedge and a groove are felt in space as in the plane and its mirror, friction in its cone",
     "[cli][surface][law]") {
-    const auto seed = GENERATE(seeds(16U));
+    // In 51 the god-object stood on the patch that leads out, and the other one holds it.
+    const auto seed = GENERATE(seeds(16U), value(51U));
     Random random(seed + 4100U);
     const bool wedge = seed % 2U == 0U;
     const double most_open = seed % 4U < 2U ? 0.5 : 1.4;
