@@ -62,10 +62,8 @@ Part<D> whole(const RationalBezier<D>& curve) {
         const Bernstein n = curve.polynomial() ? derivative(p) : wronskian(p, s.weight);
         add(s.a, product(p, n));
         const Bernstein size_p = magnitudes(p);
-        const Bernstein size_n = curve.polynomial()
-                                   ? derivative_size(size_p)
-                                   : sum(product(derivative_size(size_p), s.weight),
-                                         product(size_p, derivative_size(s.weight)));
+        const Bernstein size_n =
+            curve.polynomial() ? derivative_size(size_p) : wronskian_size(size_p, s.weight);
         add(s.size_a, product(size_p, size_n));
         add(s.size_b, product(s.weight, size_n));
         const Bernstein wn = product(s.weight, n);

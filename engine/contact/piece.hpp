@@ -58,8 +58,6 @@ public:
     /// All pieces of all spans.
     [[nodiscard]] std::size_t size() const noexcept { return pieces_.size(); }
     [[nodiscard]] const Piece<D>& operator[](std::size_t i) const noexcept { return pieces_[i]; }
-    /// Index of the first piece of span i; first_of(number of spans) is size().
-    [[nodiscard]] std::size_t first_of(std::size_t span) const noexcept { return first_[span]; }
     /// Index of the piece of `span` that holds u; where two pieces meet, the one not in `other`.
     [[nodiscard]] std::size_t holding(std::size_t span,
                                       double u,
@@ -79,7 +77,7 @@ private:
     void add_span(const RationalBezier<D>& curve, std::uint32_t index);
 
     std::vector<Piece<D>> pieces_;
-    std::vector<std::size_t> first_;
+    std::vector<std::size_t> first_;  ///< piece of each span; and size()
     /// Of each piece: a (count), b (D x count), rounding of a, of b (count each), offsets (count -
     /// 1), normals (D x (count - 1)).
     std::vector<double> store_;

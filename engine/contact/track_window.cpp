@@ -18,12 +18,7 @@ constexpr double kHeavy = 1e3;
 /// last digits hang on it, not the proof. 0: the curve is too heavy to be seen so.
 double taylor_step(const RationalBezier<2>& curve) {
     constexpr int kPlaces = 16;
-    double lightest = curve.weight(0);
-    double heaviest = lightest;
-    for (std::size_t i = 1; i <= static_cast<std::size_t>(curve.degree()); ++i) {
-        lightest = std::min(lightest, curve.weight(i));
-        heaviest = std::max(heaviest, curve.weight(i));
-    }
+    const auto [lightest, heaviest] = std::ranges::minmax(curve.weights());
     if (heaviest > kHeavy * lightest) {
         return 0.0;
     }

@@ -14,14 +14,6 @@ constexpr int kMaxVisits = 9;          ///< of spans and seams, there and not ba
 constexpr double kLastStep = 8.0 * kEpsilon;
 constexpr double kRounding = 1e-15;  ///< m, of places within 1 m
 
-/// The stretch r = HIP - GO in the frame of a tangent.
-struct ConeView {
-    Vec2 tangent{};
-    double tau = 0.0;     ///< r . t, m
-    double nu = 0.0;      ///< -r . n, m
-    double excess = 0.0;  ///< |tau| - mu max(nu, 0), m
-};
-
 class SoftWalker {
 public:
     SoftWalker(const SoftShape& shape, const SoftState& state, const Vec2& hip, double mu) noexcept
@@ -57,11 +49,7 @@ private:
     };
 
     [[nodiscard]] ConeView view(const Vec2& point, const Vec2& along) const noexcept {
-        const Vec2 tangent = along * (1.0 / glm::length(along));
-        const Vec2 r = hip_ - point;
-        ConeView v{.tangent = tangent, .tau = glm::dot(r, tangent), .nu = -cross(tangent, r)};
-        v.excess = std::fabs(v.tau) - cone_radius<true>(mu_, v.nu);
-        return v;
+        return cone_view<true>(hip_, point, along * (1.0 / glm::length(along)), mu_);
     }
     [[nodiscard]] ConeView view(const Jet<2>& jet) const noexcept {
         return view(jet.point, jet.first);
@@ -87,10 +75,7 @@ private:
 
     void settle(const ConeView& v, const Place& place) noexcept {
         walk_.point = shape_.jet(state_, material_at(shape_.outline(), place)).point;
-        walk_.tangent = v.tangent;
-        walk_.normal = perp(v.tangent);
-        walk_.tau = v.tau;
-        walk_.nu = v.nu;
+        walk_.see(v);
     }
 
     /// True: the walk ends here.
@@ -161,8 +146,17 @@ private:
         const Jet<2> out = shape_.jet(state_, {seam.after, 0.0});
         const ConeView before = view(in);
         const ConeView after = view(out.point, out.first);
-        const bool concave = cross(before.tangent, after.tangent) >= 0.0;
-        if (!concave && dir_ != 0.0) {
+        if (cross(before.tangent, after.tangent) >= 0.0) {
+            const Groove groove{.before = before, .after = after};
+            const double out = groove.way_out<true>(dir_);
+            if (out != 0.0) {
+                return leave(seam, place, out);
+            }
+            walk_.in_corner = true;
+            settle(groove.felt(hip_, in.point), place);
+            return true;
+        }
+        if (dir_ != 0.0) {
             // Over the tip: the normal that points at HIP lies in the fan.
             const ConeView& near = dir_ > 0.0 ? before : after;
             const ConeView& far = dir_ > 0.0 ? after : before;
@@ -171,33 +165,19 @@ private:
             }
             return leave(seam, place, dir_);
         }
-        const bool on = after.tau > 0.0 && after.excess > 0.0 && dir_ >= 0.0;
-        const bool back = before.tau < 0.0 && before.excess > 0.0 && dir_ <= 0.0;
-        if (on || back) {
-            dir_ = on ? 1.0 : -1.0;
-            return leave(seam, place, dir_);
+        const bool on = after.tau > 0.0 && after.excess > 0.0;
+        if (on || (before.tau < 0.0 && before.excess > 0.0)) {
+            return leave(seam, place, on ? 1.0 : -1.0);
         }
-        walk_.in_corner = concave;
-        if (!concave) {
-            if (std::max(before.nu, after.nu) <= 0.0 ||
-                std::min(before.excess, after.excess) > 0.0) {
-                return let_go(in.point, before.tangent);
-            }
-            settle(before.excess <= after.excess ? before : after, place);
-        } else if (after.tau >= 0.0) {
-            settle(after, place);
-        } else if (before.tau <= 0.0) {
-            settle(before, place);
-        } else {
-            const Vec2 gap = in.point - hip_;
-            const double length = glm::length(gap);
-            const Vec2 normal = length > 0.0 ? gap * (1.0 / length) : perp(after.tangent);
-            settle({.tangent = -perp(normal), .nu = length}, place);
+        if (std::max(before.nu, after.nu) <= 0.0 || std::min(before.excess, after.excess) > 0.0) {
+            return let_go(in.point, before.tangent);
         }
+        settle(before.excess <= after.excess ? before : after, place);
         return true;
     }
 
     bool leave(const Seam& seam, Place& place, double dir) noexcept {
+        dir_ = dir;
         place = dir > 0.0 ? Place{.index = seam.after, .parameter = 0.0}
                           : Place{.index = seam.before, .parameter = 1.0};
         return false;

@@ -10,9 +10,6 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kUnclear = std::numeric_limits<double>::quiet_NaN();
 
-/// Halvings of the way to where a budget ends.
-constexpr int kBudgetHalvings = 40;
-
 /// Goes to the first place where the drive in direction task.dir is no more than mu times the load,
 /// as if any load were positive. @return load there; infinity: at the end of the arc, still driven
 /// on; NaN: unclear, and nothing moved
@@ -44,24 +41,9 @@ double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexc
     return task.dir * drive.tangential > 0.0 ? kNever : drive.load;
 }
 
-/// Takes the way since `before` from the budget; false if the budget ends on it.
 bool pays(const Arc& arc, const SlideTask& task, const Spot& before, Spot& spot, double& used) {
-    const double left = std::max(task.budget - used, 0.0);
-    const double way = arc.way(before.jet.point, spot.jet.point);
-    if (way <= left) {
-        used += way;
-        return true;
-    }
-    Spot near = before;
-    Spot far = spot;
-    for (int i = 0; i < kBudgetHalvings; ++i) {
-        const Spot middle = spot_at(arc, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
-        const bool payable = arc.way(before.jet.point, middle.jet.point) <= left;
-        (payable ? near : far) = middle;
-    }
-    spot = near;
-    used = task.budget;
-    return false;
+    return pays_way(arc, task, before, spot, used,
+                    [&](const Spot& to) { return arc.way(before.jet.point, to.jet.point); });
 }
 
 }  // namespace

@@ -66,12 +66,6 @@ Bernstein sizes_of(const TwiceBernstein& f) {
     return size;
 }
 
-/// |P'| |W| + |P| |W'| and the like: what rounding in N is relative to.
-Bernstein size_of_hodograph(const Bernstein& p, const Bernstein& w, bool polynomial) {
-    return polynomial ? derivative_size(p)
-                      : sum(product(derivative_size(p), w), product(p, derivative_size(w)));
-}
-
 /// What fall_slack() needs of two neighbours: how far HIP moves while the margin between them falls
 /// by one, and rounding of the margin, by itself and per m of HIP.
 template <class Part>
@@ -116,12 +110,7 @@ ConeForms::ConeForms(const Outline& outline, const Pieces<2>& pieces, double mu)
     : outline_(&outline), mu_(mu) {
     for (std::size_t i = 0; i < outline.spans().size(); ++i) {
         const RationalBezier<2>& curve = outline.spans()[i];
-        double lightest = curve.weight(0);
-        double heaviest = lightest;
-        for (std::size_t k = 0; k <= static_cast<std::size_t>(curve.degree()); ++k) {
-            lightest = std::min(lightest, curve.weight(k));
-            heaviest = std::max(heaviest, curve.weight(k));
-        }
+        const auto [lightest, heaviest] = std::ranges::minmax(curve.weights());
         spans_.push_back({.first = pieces_.size(),
                           .tame = lightest >= kTame * heaviest && repeats(curve, false) == 0 &&
                                   repeats(curve, true) == 0,
@@ -155,7 +144,8 @@ ConeForms::Part ConeForms::whole(const RationalBezier<2>& curve) {
     const TwiceBernstein nx = hodograph(p[0]);
     const TwiceBernstein ny = hodograph(p[1]);
     const Bernstein size_p = sum(sizes_of(p[0]), sizes_of(p[1]));
-    const Bernstein size_n = size_of_hodograph(size_p, part.weight, polynomial);
+    const Bernstein size_n =
+        polynomial ? derivative_size(size_p) : wronskian_size(size_p, part.weight);
     const std::size_t start = repeats(curve, false);
     const std::size_t end = repeats(curve, true);
     part.a = without_ends(sum(product(p[0], nx), product(p[1], ny)), start, end);

@@ -11,9 +11,6 @@ constexpr double kSharpRoot = 1e-12;
 /// Pieces ahead that a proof is found for at once; behind it is one.
 constexpr int kPiecesAhead = 3;
 
-/// Halvings of the way to where a budget ends.
-constexpr int kBudgetHalvings = 40;
-
 /// A place in a piece, in the direction of a walk: x from its start, y to its end.
 struct InPiece {
     double x;
@@ -227,27 +224,11 @@ private:
         return true;
     }
 
-    /// Takes the way since `before` from the budget; false if the budget ends on it. Pieces are
-    /// nearly straight: the chord is the way.
+    /// Pieces are nearly straight: the chord is the way.
     bool pays(const Spot& before) noexcept {
-        const double left = std::max(task_.budget - used_, 0.0);
-        const auto way_to = [&](const Spot& spot) {
+        return pays_way(curve_, task_, before, spot_, used_, [&before](const Spot& spot) {
             return glm::length(spot.jet.point - before.jet.point);
-        };
-        if (way_to(spot_) <= left) {
-            used_ += way_to(spot_);
-            return true;
-        }
-        Spot near = before;
-        Spot far = spot_;
-        for (int i = 0; i < kBudgetHalvings; ++i) {
-            const Spot middle =
-                spot_at(curve_, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
-            (way_to(middle) <= left ? near : far) = middle;
-        }
-        spot_ = near;
-        used_ = task_.budget;
-        return false;
+        });
     }
 
     const SlideTask& task_;

@@ -15,14 +15,6 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 /// What happens after a step on one span or seam.
 enum class Next : std::uint8_t { go_on, stop };
 
-/// The stretch in a unit frame with tangent t.
-struct ConeState {
-    Vec2 tangent{};
-    double tau = 0.0;     ///< r . t, m, signed
-    double nu = 0.0;      ///< -r . n, m
-    double excess = 0.0;  ///< |tau| - mu max(nu, 0), m; > 0: the GO has to move
-};
-
 template <bool HasFriction>
 class Walker {
 public:
@@ -69,19 +61,10 @@ private:
         return seam.kind == SeamKind::concave ? in_corner(seam) : on_fan(seam);
     }
 
-    [[nodiscard]] ConeState cone(const Vec2& point, const Vec2& tangent) const noexcept {
-        return cone(h_, point, tangent);
+    [[nodiscard]] ConeView cone(const Vec2& point, const Vec2& tangent) const noexcept {
+        return cone_view<HasFriction>(h_, point, tangent, mu_);
     }
-    [[nodiscard]] ConeState cone(const Vec2& h,
-                                 const Vec2& point,
-                                 const Vec2& tangent) const noexcept {
-        const Vec2 r = h - point;
-        ConeState s{.tangent = tangent, .tau = glm::dot(r, tangent), .nu = -cross(tangent, r)};
-        s.excess = std::fabs(s.tau) - cone_radius<HasFriction>(mu_, s.nu);
-        return s;
-    }
-
-    [[nodiscard]] ConeState cone(const GodObject& go) const noexcept {
+    [[nodiscard]] ConeView cone(const GodObject& go) const noexcept {
         if (go.place.on_seam) {
             const Seam& seam = outline_.seams()[go.place.index];
             return cone(seam.point, fan_tangent(seam, go.place.parameter));
@@ -96,13 +79,10 @@ private:
     }
 
     /// The walk ends here, with this stretch.
-    Next settle_at(const ConeState& s) noexcept {
+    Next settle_at(const ConeView& s) noexcept {
         walk_.point =
             go_.place.on_seam ? outline_.seams()[go_.place.index].point : go_.spot.jet.point;
-        walk_.tangent = s.tangent;
-        walk_.normal = perp(s.tangent);
-        walk_.tau = s.tau;
-        walk_.nu = s.nu;
+        walk_.see(s);
         return Next::stop;
     }
 
@@ -196,7 +176,7 @@ private:
     /// excess only grows with the angle, so the fan is crossed whole unless the budget ends.
     Next on_fan(const Seam& seam) noexcept {
         double& phi = go_.place.parameter;
-        const ConeState s = cone(go_);
+        const ConeView s = cone(go_);
         if (s.excess <= 0.0 || !goes(s.tau)) {
             return settle_at(s);
         }
@@ -207,12 +187,13 @@ private:
             settle_at(s);
             return stop_outside(true);
         }
-        const ConeState far =
+        const ConeView far =
             cone(seam.point, direction_ > 0.0 ? seam.tangent_out : seam.tangent_in);
         const bool over_tip =
             direction_ * far.tau <= 0.0 && (s.nu < 0.0 || far.nu < std::fabs(far.tau));
         if (seam.kind == SeamKind::smooth && direction_ * far.tau <= 0.0 && s.nu > 0.0) {
-            return settle_against_hip(seam, s.tangent);  // hollow: each span drives it to the other
+            return settle_at(against_hip(h_, seam.point,
+                                         s.tangent));  // hollow: each span drives it to the other
         }
         const double left = direction_ > 0.0 ? seam.turn - phi : phi;
         if (seam.kind == SeamKind::convex && steps_back(s, left)) {
@@ -228,7 +209,7 @@ private:
         if (!pays) {
             phi += direction_ * (budget_ - used_) / radius_;
             used_ = budget_;
-            const ConeState turned = cone(go_);
+            const ConeView turned = cone(go_);
             settle_at(turned);
             return turned.excess > 0.0 && direction_ * turned.tau > 0.0 ? stop_outside(true)
                                                                         : Next::stop;
@@ -243,7 +224,7 @@ private:
     /// A step would else cost two turns that nobody could feel, and have no force meanwhile.
     /// @param s     in the fan, before
     /// @param left  angle of the fan that is left, rad
-    bool steps_back(const ConeState& s, double left) noexcept {
+    bool steps_back(const ConeView& s, double left) noexcept {
         if (budget_ == kNever) {
             return false;
         }
@@ -264,8 +245,8 @@ private:
 
     /// Share of the tick after which HIP, on its straight way to a stretch outside of the cone,
     /// drives the god-object on from here. Drive and excess are linear in it.
-    [[nodiscard]] double driven_from(const Vec2& point, const ConeState& s) const noexcept {
-        const ConeState before = cone(from_, point, s.tangent);
+    [[nodiscard]] double driven_from(const Vec2& point, const ConeView& s) const noexcept {
+        const ConeView before = cone_view<HasFriction>(from_, point, s.tangent, mu_);
         const double drive = direction_ * before.tau;
         const double excess = drive - (HasFriction ? mu_ * before.nu : 0.0);
         const auto from = [](double then, double now) {
@@ -276,43 +257,23 @@ private:
                         from(excess, drive_now - (HasFriction ? mu_ * s.nu : 0.0)));
     }
 
-    /// Concave vertex: two normals, two loads. F = K (V - h) is carried by both together.
+    /// Concave vertex: held by the two sides, or out along one of them.
     Next in_corner(const Seam& seam) noexcept {
         walk_.met_corner = true;
-        const ConeState after = cone(seam.point, seam.tangent_out);
-        const ConeState before = cone(seam.point, seam.tangent_in);
-        const bool drives_on = after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0;
-        const bool drives_back = before.tau < 0.0 && before.excess > 0.0 && direction_ <= 0.0;
-        if ((drives_on || drives_back) && used_ < budget_) {
-            direction_ = drives_on ? 1.0 : -1.0;
+        const Groove groove{.before = cone(seam.point, seam.tangent_in),
+                            .after = cone(seam.point, seam.tangent_out)};
+        const double out = groove.way_out<HasFriction>(direction_);
+        if (out != 0.0 && used_ < budget_) {
+            direction_ = out;
             leave(seam, direction_);
             return Next::go_on;
         }
-        settle_corner(seam, before, after);
-        walk_.out_of_budget = drives_on || drives_back;
-        walk_.outside_cone = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
-        return Next::stop;
-    }
-
-    /// The normal of a corner is the one of its internal fan that lies nearest to the force.
-    void settle_corner(const Seam& seam, const ConeState& before, const ConeState& after) noexcept {
         go_.place.parameter = 0.0;
         walk_.in_corner = true;
-        if (after.tau >= 0.0) {
-            settle_at(after);
-        } else if (before.tau <= 0.0) {
-            settle_at(before);
-        } else {
-            settle_against_hip(seam, after.tangent);
-        }
-    }
-
-    /// By the normal of an internal fan that points away from HIP; where HIP is, that of a tangent.
-    Next settle_against_hip(const Seam& seam, const Vec2& tangent) noexcept {
-        const Vec2 gap = seam.point - h_;
-        const double length = glm::length(gap);
-        const Vec2 normal = length > 0.0 ? gap / length : perp(tangent);
-        return settle_at({.tangent = -perp(normal), .nu = length});
+        settle_at(groove.felt(h_, seam.point));
+        walk_.out_of_budget = out != 0.0;
+        walk_.outside_cone = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
+        return Next::stop;
     }
 
     void leave(const Seam& seam, double direction) noexcept {
@@ -367,7 +328,7 @@ Walk touch_down(const Outline& outline, GodObject& go, const Place& place, const
             .tangent = -perp(normal),
             .tau = -0.0,
             .nu = depth,
-            .in_corner = place.on_seam};
+            .in_corner = place.on_seam && outline.seams()[place.index].kind == SeamKind::concave};
 }
 
 template <bool HasFriction>

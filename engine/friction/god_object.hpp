@@ -2,6 +2,7 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "engine/friction/cone_slide.hpp"
+#include "engine/friction/cone_view.hpp"
 
 namespace palpate::engine {
 
@@ -40,6 +41,14 @@ struct Walk {
     bool in_corner = false;    ///< rests in a concave vertex, whose two normals carry together
     bool met_corner = false;   ///< came by a concave vertex
     bool lost_beyond = false;  ///< in a fan for lack of budget alone: beyond, the contact ends
+
+    /// The stretch and its frame, where the walk ends.
+    void see(const ConeView& v) noexcept {
+        tangent = v.tangent;
+        normal = perp(v.tangent);
+        tau = v.tau;
+        nu = v.nu;
+    }
 };
 
 /// Lets the god-object move along the outline to the first place where its stretch fits the
@@ -52,7 +61,7 @@ struct Walk {
 /// which HIP drives the god-object over it: a corner feels the same at every rate. Where the
 /// outline turns back beyond the vertex, as a step does, the way costs only the turn between its
 /// two ends. A concave vertex is left only along a span whose drive exceeds mu times that span's
-/// own load. An open end holds the GO until HIP leaves. The direction never reverses within a walk,
+/// own load, while the other span alone does not hold the GO in its cone. An open end holds the GO until HIP leaves. The direction never reverses within a walk,
 /// and on the way the stretch only falls: each span is visited once.
 ///
 /// @param from    HIP one tick ago, m

@@ -60,8 +60,7 @@ Component component(const Bernstein& p, const Bernstein& w, bool polynomial) {
     if (polynomial) {
         c = {derivative(p), derivative_size(size)};
     } else {
-        c = {wronskian(p, w),
-             sum(product(derivative_size(size), w), product(size, derivative_size(w)))};
+        c = {wronskian(p, w), wronskian_size(size, w)};
     }
     for (double& v : c.noise) {
         v *= kNoise;
@@ -82,25 +81,6 @@ Hodograph hodograph(const RationalBezier<2>& curve) {
     h.x = component(px, w, curve.polynomial());
     h.y = component(py, w, curve.polynomial());
     return h;
-}
-
-/// Homogeneous control points of [0, u] and [u, 1].
-struct Halves {
-    std::vector<Vec3> left;
-    std::vector<Vec3> right;
-};
-
-Halves cut_at(std::vector<Vec3> points, double u) {
-    Halves halves{{}, points};
-    const std::size_t n = points.size();
-    for (std::size_t level = 0; level < n; ++level) {
-        halves.left.push_back(points[0]);
-        halves.right[n - 1 - level] = points[n - 1 - level];
-        for (std::size_t k = 0; k + 1 < n - level; ++k) {
-            points[k] = (1.0 - u) * points[k] + u * points[k + 1];
-        }
-    }
-    return halves;
 }
 
 }  // namespace
@@ -151,8 +131,8 @@ RationalBezier<2> stretch_of(const RationalBezier<2>& curve, double lo, double h
         const double w = curve.weight(i);
         points.push_back({w * curve.local_point(i).x, w * curve.local_point(i).y, w});
     }
-    points = cut_at(std::move(points), hi).left;
-    points = cut_at(std::move(points), lo / hi).right;
+    points = CutAt(std::move(points), hi).left;
+    points = CutAt(std::move(points), lo / hi).right;
     std::vector<Vec2> apart;
     std::vector<double> weights;
     for (const Vec3& p : points) {

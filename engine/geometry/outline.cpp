@@ -113,20 +113,6 @@ double control_area(const std::vector<RationalBezier<2>>& segments) {
 
 }  // namespace
 
-Frame frame_at(const RationalBezier<2>& curve, double u) noexcept {
-    const Jet<2> jet = curve.at(u);
-    Frame frame;
-    frame.point = jet.point;
-    frame.speed = glm::length(jet.first);
-    if (frame.speed > 0.0) {
-        const double inverse = 1.0 / frame.speed;
-        frame.tangent = jet.first * inverse;
-        frame.curvature = -cross(jet.first, jet.second) * (inverse * inverse * inverse);
-    }
-    frame.normal = perp(frame.tangent);
-    return frame;
-}
-
 Outline::Outline(const std::vector<NurbsCurve<2>>& segments, bool closed) : closed_(closed) {
     for (std::size_t i = 0; i < segments.size(); ++i) {
         add_segment(segments[i], i);

@@ -10,18 +10,6 @@
 
 namespace palpate::engine {
 
-/// Tangent, normal and curvature of a plane curve at one point.
-struct Frame {
-    Vec2 point{};
-    Vec2 tangent{1.0, 0.0};  ///< unit, direction of travel
-    Vec2 normal{0.0, 1.0};   ///< unit, outward: the tangent turned by +90 degrees
-    double speed = 0.0;      ///< |C'|, m per unit of u
-    double curvature = 0.0;  ///< 1/m, > 0 where the object bulges (convex)
-};
-
-/// Frame of `curve` at u.
-[[nodiscard]] Frame frame_at(const RationalBezier<2>& curve, double u) noexcept;
-
 /// What two neighbouring spans make of their common end.
 enum class SeamKind : std::uint8_t {
     convex,   ///< the outline turns towards the object: an external fan of normals

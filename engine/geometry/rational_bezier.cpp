@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/base/refuse.hpp"
+#include "engine/math/bernstein.hpp"
 
 namespace palpate::engine {
 template <int D>
@@ -42,17 +43,8 @@ RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points,
         weighted_[i] = weights_[i] * local_[i];
     }
     horner_ = polynomial_ && degree_ <= 3;
-    if (horner_) {  // forward differences times binomials
-        const auto& b = local_;
-        const double n = degree_;
-        power_[0] = b[0];
-        power_[1] = n * (b[1] - b[0]);
-        if (degree_ >= 2) {
-            power_[2] = (0.5 * n * (n - 1.0)) * ((b[2] - b[1]) - (b[1] - b[0]));
-        }
-        if (degree_ == 3) {
-            power_[3] = (b[3] - b[0]) - 3.0 * (b[2] - b[1]);
-        }
+    if (horner_) {
+        power_ = powers(std::span<const Vec<D>>(local_), degree_);
     }
 }
 

@@ -79,6 +79,9 @@ public:
     [[nodiscard]] bool polynomial() const noexcept { return polynomial_; }
     [[nodiscard]] Vec<D> point(std::size_t i) const noexcept { return origin_ + local_[i]; }
     [[nodiscard]] double weight(std::size_t i) const noexcept { return weights_[i]; }
+    [[nodiscard]] std::span<const double> weights() const noexcept {
+        return std::span(weights_).first(static_cast<std::size_t>(degree_) + 1);
+    }
     [[nodiscard]] const Box<D>& box() const noexcept { return box_; }  ///< of the control points
 
     /// Middle of the box; local control points and their weighted forms are relative to it.

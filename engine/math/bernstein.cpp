@@ -28,6 +28,10 @@ Bernstein derivative_size(const Bernstein& f) {
     return size;
 }
 
+Bernstein wronskian_size(const Bernstein& a, const Bernstein& b) {
+    return sum(product(derivative_size(a), b), product(a, derivative_size(b)));
+}
+
 double largest_magnitude(const Bernstein& f) noexcept {
     double largest = 0.0;
     for (const double v : f) {

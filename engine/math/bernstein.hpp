@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace palpate::engine {
@@ -68,11 +70,49 @@ template <class Real>
 /// differences. Rounding is relative to these.
 [[nodiscard]] Bernstein derivative_size(const Bernstein& f);
 
+/// Of the terms of a' b - a b', for magnitudes a and b.
+[[nodiscard]] Bernstein wronskian_size(const Bernstein& a, const Bernstein& b);
+
 /// Largest |coefficient|: no value on [0, 1] is larger.
 [[nodiscard]] double largest_magnitude(const Bernstein& f) noexcept;
 
-/// Cuts f at 1/2 (de Casteljau): `f` becomes its left half, the right half is returned. For any
-/// type that can be added and multiplied by a number.
+/// Coefficients of 1, u, u^2 and u^3 from Bezier values, by forward differences times binomials.
+/// @param degree  up to 3
+template <class Value>
+[[nodiscard]] std::array<Value, 4> powers(std::span<const Value> b, int degree) {
+    const double n = degree;
+    std::array<Value, 4> c{};
+    c[0] = b[0];
+    c[1] = n * (b[1] - b[0]);
+    if (degree >= 2) {
+        c[2] = (0.5 * n * (n - 1.0)) * ((b[2] - b[1]) - (b[1] - b[0]));
+    }
+    if (degree == 3) {
+        c[3] = (b[3] - b[0]) - 3.0 * (b[2] - b[1]);
+    }
+    return c;
+}
+
+/// Cuts f at t (de Casteljau): what is left of it on [0, t] and on [t, 1]. For any type that can be
+/// added and multiplied by a number.
+template <class Value>
+struct CutAt {
+    std::vector<Value> left;
+    std::vector<Value> right;
+
+    CutAt(std::vector<Value> f, double t) : right(f) {
+        const std::size_t n = f.size();
+        for (std::size_t level = 0; level < n; ++level) {
+            left.push_back(f[0]);
+            right[n - 1 - level] = f[n - 1 - level];
+            for (std::size_t k = 0; k + 1 < n - level; ++k) {
+                f[k] = (1.0 - t) * f[k] + t * f[k + 1];
+            }
+        }
+    }
+};
+
+/// Cuts f at 1/2 (de Casteljau): `f` becomes its left half, the right half is returned.
 template <class Value>
 [[nodiscard]] std::vector<Value> cut_in_half(std::vector<Value>& f) {
     std::vector<Value> right = f;

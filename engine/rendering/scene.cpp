@@ -17,24 +17,6 @@ bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
     return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
 }
 
-/// The spring of a god-object in its cone. Every member is named, for else all are set to zero
-/// first.
-Contact pressed_by(const Walk& walk, const Vec2& hip, const Place& place, double k) noexcept {
-    return {.mode = Mode::stuck,
-            .place = place,
-            .go = walk.point,
-            .force = k * (walk.point - hip),
-            .normal_force = k * walk.nu,
-            .tangential_force = -k * walk.tau,
-            .mu = 0.0,
-            .vertex_slew = walk.out_of_budget,
-            .outside_cone = walk.outside_cone,
-            .unproven = walk.unproven,
-            .refused = false,
-            .skipped = false,
-            .began = false};
-}
-
 /// What the walk of the god-object gives: with a law of friction of its own none.
 SceneSpec felt_by_walk(SceneSpec spec) noexcept {
     if (spec.law.traits != nullptr) {
@@ -255,14 +237,7 @@ template <bool HasFriction, bool HasDamper>
     contact.mode = mode_of<HasFriction>(walk.slid, state.theta, spec_.friction);
     contact.mu = mu;
     if (walk.outside_cone) {
-        // The GO could not reach its cone in this tick: keep what the surface can carry here.
-        const double k = spec_.stiffness;
-        const double load = std::max(walk.nu, 0.0);
-        const double limit = cone_radius<HasFriction>(mu, load);
-        contact.normal_force = k * load;
-        contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
-        contact.force =
-            contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
+        cut_to_cone<HasFriction>(walk, spec_.stiffness, contact);
     }
     if constexpr (HasDamper) {
         damp<HasFriction>(state, walk, contact);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 
@@ -70,6 +71,37 @@ struct Contact {
         return mode != Mode::free && outside_cone && !vertex_slew && !unproven;
     }
 };
+
+/// The spring of a god-object in its cone. Every member is named, for else all are set to zero
+/// first.
+[[nodiscard]] inline Contact pressed_by(const Walk& walk,
+                                        const Vec2& hip,
+                                        const Place& place,
+                                        double k) noexcept {
+    return {.mode = Mode::stuck,
+            .place = place,
+            .go = walk.point,
+            .force = k * (walk.point - hip),
+            .normal_force = k * walk.nu,
+            .tangential_force = -k * walk.tau,
+            .mu = 0.0,
+            .vertex_slew = walk.out_of_budget,
+            .outside_cone = walk.outside_cone,
+            .unproven = walk.unproven,
+            .refused = false,
+            .skipped = false,
+            .began = false};
+}
+
+/// The GO could not reach its cone in this tick: what the surface can carry where it is.
+template <bool HasFriction>
+void cut_to_cone(const Walk& walk, double k, Contact& contact) noexcept {
+    const double load = std::max(walk.nu, 0.0);
+    const double limit = cone_radius<HasFriction>(contact.mu, load);
+    contact.normal_force = k * load;
+    contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
+    contact.force = contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
+}
 
 /// A tick as it is written and drawn: out of contact the god-object is the closest point. A tick
 /// out of reach does not look for it, so that what it answers is that of the last look.

@@ -117,22 +117,11 @@ Contact Scene::yielding(ContactState& state, const Vec2& hip) const noexcept {
 }
 
 Contact Scene::pressed(ContactState& state, const Walk& walk, const Vec2& hip) const noexcept {
-    const double k = spec_.stiffness;
-    const double mu = coefficient(spec_.friction, state.theta);
-    Contact contact{.mode = mode_of<true>(walk.slid, state.theta, spec_.friction),
-                    .place = state.go.place,
-                    .go = walk.point,
-                    .force = k * (walk.point - hip),
-                    .normal_force = k * walk.nu,
-                    .tangential_force = -k * walk.tau,
-                    .mu = mu,
-                    .outside_cone = walk.outside_cone,
-                    .unproven = walk.unproven};
+    Contact contact = pressed_by(walk, hip, state.go.place, spec_.stiffness);
+    contact.mode = mode_of<true>(walk.slid, state.theta, spec_.friction);
+    contact.mu = coefficient(spec_.friction, state.theta);
     if (walk.outside_cone) {
-        const double limit = cone_radius<true>(mu, walk.nu);
-        contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
-        contact.force =
-            contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
+        cut_to_cone<true>(walk, spec_.stiffness, contact);
     }
     state.theta = next_theta(state.theta, walk.slid, decay_);
     return contact;

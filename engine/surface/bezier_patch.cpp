@@ -6,6 +6,7 @@
 
 #include "engine/base/processor.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/math/bernstein.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -78,21 +79,6 @@ std::vector<Quad> with_differences(const std::vector<Quad>& net) {
     return all;
 }
 
-/// Coefficients of 1, u, u^2, u^3 from Bezier values, by forward differences.
-std::array<Quad, 4> powers(const std::array<Quad, 4>& b, int degree) {
-    const double n = degree;
-    std::array<Quad, 4> c{};
-    c[0] = b[0];
-    c[1] = n * (b[1] - b[0]);
-    if (degree >= 2) {
-        c[2] = (0.5 * n * (n - 1.0)) * ((b[2] - b[1]) - (b[1] - b[0]));
-    }
-    if (degree == 3) {
-        c[3] = (b[3] - b[0]) - 3.0 * (b[2] - b[1]);
-    }
-    return c;
-}
-
 void check_degree(int degree, const char* name) {
     refuse_if(degree < 1 || degree > kMaxDegree, "{} is {}: give 1 to {}", name, degree,
               kMaxDegree);
@@ -123,19 +109,16 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
         return;
     }
     std::array<std::array<Quad, 4>, 4> rows{};  // powers of v for each control row
-    for (int i = 0; i <= degree_u; ++i) {
-        std::array<Quad, 4> line{};
-        for (int j = 0; j <= degree_v; ++j) {
-            line[static_cast<std::size_t>(j)] = this->net(i, j);
-        }
-        rows[static_cast<std::size_t>(i)] = powers(line, degree_v);
+    const auto row = static_cast<std::size_t>(degree_v) + 1;
+    for (std::size_t i = 0; i * row < net_.size(); ++i) {
+        rows[i] = powers(std::span<const Quad>(net_).subspan(i * row, row), degree_v);
     }
     prepared_.resize(16);
     for (std::size_t j = 0; j < 4; ++j) {
-        const std::array<Quad, 4> column =
-            powers({rows[0][j], rows[1][j], rows[2][j], rows[3][j]}, degree_u);
+        const std::array<Quad, 4> column{rows[0][j], rows[1][j], rows[2][j], rows[3][j]};
+        const std::array<Quad, 4> power = powers(std::span<const Quad>(column), degree_u);
         for (std::size_t i = 0; i < 4; ++i) {
-            prepared_[4 * i + j] = column[i];
+            prepared_[4 * i + j] = power[i];
         }
     }
 }

@@ -201,14 +201,6 @@ private:
 
 }  // namespace
 
-double largest(const std::vector<double>& values) {
-    double largest = 0.0;
-    for (const double v : values) {
-        largest = std::max(largest, std::fabs(v));
-    }
-    return largest;
-}
-
 DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net, const Vec3& c)
     : n_(2 * static_cast<std::size_t>(degree_u)),
       m_(2 * static_cast<std::size_t>(degree_v)),
@@ -244,7 +236,7 @@ DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net
             }
         }
     }
-    largest_ww_ = largest(ww_);
+    largest_ww_ = largest_magnitude(ww_);
     const double least_ww = *std::min_element(ww_.begin(), ww_.end());
     const auto steepest = [&](std::size_t step, bool in_u) {
         double max = 0.0;

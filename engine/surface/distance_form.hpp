@@ -81,7 +81,4 @@ struct Verdict {
                                  double beta,
                                  Work& work) noexcept;
 
-/// The largest |v|; 0 of none.
-[[nodiscard]] double largest(const std::vector<double>& values);
-
 }  // namespace palpate::engine

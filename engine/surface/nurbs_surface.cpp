@@ -279,34 +279,22 @@ Vec3 NurbsSurface::limit_normal(const SurfacePlace& p) const noexcept {
     return Vec3{0.0, 0.0, 1.0};
 }
 
-bool NurbsSurface::cross_u(SurfacePlace& p, bool forward) const noexcept {
-    const bool at_end = forward ? p.i + 1 == rows_ : p.i == 0;
-    if (at_end && !closed_u_) {
+bool NurbsSurface::cross(SurfacePlace& p, const SurfaceHeading& way) const noexcept {
+    const std::size_t last = (way.in_u ? rows_ : columns_) - 1;
+    std::size_t& k = way.in_u ? p.i : p.j;
+    const bool at_end = k == (way.forward ? last : 0);
+    if (at_end && !closed(way.in_u)) {
         return false;
     }
-    p.i = forward ? (at_end ? 0 : p.i + 1) : (at_end ? rows_ - 1 : p.i - 1);
-    p.u = forward ? 0.0 : 1.0;
+    k = !at_end ? (way.forward ? k + 1 : k - 1) : (way.forward ? 0 : last);
+    (way.in_u ? p.u : p.v) = way.forward ? 0.0 : 1.0;
     return true;
 }
 
-bool NurbsSurface::cross_v(SurfacePlace& p, bool forward) const noexcept {
-    const bool at_end = forward ? p.j + 1 == columns_ : p.j == 0;
-    if (at_end && !closed_v_) {
-        return false;
-    }
-    p.j = forward ? (at_end ? 0 : p.j + 1) : (at_end ? columns_ - 1 : p.j - 1);
-    p.v = forward ? 0.0 : 1.0;
-    return true;
-}
-
-bool NurbsSurface::smooth_u(std::size_t i) const noexcept {
-    const auto& pieces = knots_u_.intervals();
-    return pieces[i].knot - pieces[i - 1].knot < static_cast<std::size_t>(knots_u_.degree());
-}
-
-bool NurbsSurface::smooth_v(std::size_t j) const noexcept {
-    const auto& pieces = knots_v_.intervals();
-    return pieces[j].knot - pieces[j - 1].knot < static_cast<std::size_t>(knots_v_.degree());
+bool NurbsSurface::smooth(bool in_u, std::size_t k) const noexcept {
+    const KnotVector& knots = in_u ? knots_u_ : knots_v_;
+    const auto& pieces = knots.intervals();
+    return pieces[k].knot - pieces[k - 1].knot < static_cast<std::size_t>(knots.degree());
 }
 
 }  // namespace palpate::engine

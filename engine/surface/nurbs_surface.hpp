@@ -20,6 +20,12 @@ struct SurfacePlace {
     std::size_t surface = 0;
 };
 
+/// A way over an edge of a patch: the parameter that changes, and whether it grows.
+struct SurfaceHeading {
+    bool in_u = true;
+    bool forward = true;
+};
+
 /// du x dv counts as vanished below this share of |du| |dv|, or of the size where one of them is 0.
 inline constexpr double kFlat = 1e-10;
 
@@ -99,20 +105,18 @@ public:
         return flat ? limit_normal(p) : (1.0 / std::sqrt(area2)) * area;
     }
 
-    /// Whether the borders at both ends of u, or v, are one.
-    [[nodiscard]] bool closed_u() const noexcept { return closed_u_; }
-    [[nodiscard]] bool closed_v() const noexcept { return closed_v_; }
+    /// Whether the borders at both ends of u (`in_u`), or v, are one.
+    [[nodiscard]] bool closed(bool in_u) const noexcept { return in_u ? closed_u_ : closed_v_; }
     /// Whether the border u = first (or last) is one point: a pole. So for v.
-    [[nodiscard]] bool pole_u(bool last) const noexcept { return poles_[last ? 1U : 0U]; }
-    [[nodiscard]] bool pole_v(bool last) const noexcept { return poles_[last ? 3U : 2U]; }
+    [[nodiscard]] bool pole(bool in_u, bool last) const noexcept {
+        return poles_[(in_u ? 0U : 2U) + (last ? 1U : 0U)];
+    }
     /// Moves a place on an edge of its patch, u (or v) = 0 or 1, to the same point on the next
     /// patch.
     /// @return false at an open border: nothing changed
-    [[nodiscard]] bool cross_u(SurfacePlace& p, bool forward) const noexcept;
-    [[nodiscard]] bool cross_v(SurfacePlace& p, bool forward) const noexcept;
-    /// S W and W go on with a continuous derivative from patch row i - 1 to i (0 < i < rows).
-    [[nodiscard]] bool smooth_u(std::size_t i) const noexcept;
-    [[nodiscard]] bool smooth_v(std::size_t j) const noexcept;
+    [[nodiscard]] bool cross(SurfacePlace& p, const SurfaceHeading& way) const noexcept;
+    /// S W and W go on with a continuous derivative from patch row (or column) k - 1 to k > 0.
+    [[nodiscard]] bool smooth(bool in_u, std::size_t k) const noexcept;
 
 private:
     [[nodiscard]] Vec3 limit_normal(const SurfacePlace& p) const noexcept;

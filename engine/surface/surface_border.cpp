@@ -12,23 +12,8 @@ namespace {
 constexpr int kMaxHalvings = 24;
 constexpr int kSamples = 48;
 
-/// What is left of Bezier values on [0, t], or on [t, 1].
-std::vector<Quad> cut(std::vector<Quad> b, double t, bool keep_first) {
-    std::vector<Quad> first{b.front()};
-    std::vector<Quad> last{b.back()};
-    for (std::size_t n = b.size() - 1; n > 0; --n) {
-        for (std::size_t k = 0; k < n; ++k) {
-            b[k] = (1.0 - t) * b[k] + t * b[k + 1];
-        }
-        first.push_back(b[0]);
-        last.push_back(b[n - 1]);
-    }
-    std::reverse(last.begin(), last.end());
-    return keep_first ? first : last;
-}
-
 Vec3 value(std::vector<Quad> b, double t) {
-    const Quad q = cut(std::move(b), t, true).back();
+    const Quad q = CutAt(std::move(b), t).left.back();
     return (1.0 / q.w()) * q.xyz();
 }
 
@@ -66,8 +51,10 @@ bool within(const std::vector<Quad>& a, const std::vector<Quad>& b, double toler
     if (depth == 0 || glm::length(value(a, 0.5) - value(b, 0.5)) > tolerance) {
         return false;
     }
-    return within(cut(a, 0.5, true), cut(b, 0.5, true), tolerance, depth - 1) &&
-           within(cut(a, 0.5, false), cut(b, 0.5, false), tolerance, depth - 1);
+    const CutAt of_a(a, 0.5);
+    const CutAt of_b(b, 0.5);
+    return within(of_a.left, of_b.left, tolerance, depth - 1) &&
+           within(of_a.right, of_b.right, tolerance, depth - 1);
 }
 
 }  // namespace
@@ -126,8 +113,8 @@ std::vector<Quad> SurfaceBorder::part(double lo, double hi) const {
     const double width = breaks_[k + 1] - breaks_[k];
     const double from = std::clamp((lo - breaks_[k]) / width, 0.0, 1.0);
     const double to = std::clamp((hi - breaks_[k]) / width, 0.0, 1.0);
-    std::vector<Quad> net = to < 1.0 ? cut(spans_[k], to, true) : spans_[k];
-    return from > 0.0 ? cut(net, from / to, false) : net;
+    std::vector<Quad> net = to < 1.0 ? CutAt(spans_[k], to).left : spans_[k];
+    return from > 0.0 ? CutAt(net, from / to).right : net;
 }
 
 double SurfaceBorder::distance(const Vec3& p) const {

@@ -15,17 +15,6 @@ bool smooth(const Vec3& a, const Vec3& b) noexcept {
     return glm::dot(turn, turn) < kSmooth * kSmooth && glm::dot(a, b) > 0.0;
 }
 
-void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept {
-    const Stretch<3> parts = stretch<3>(s.r, normal);
-    s.normal = normal;
-    s.along = parts.tangential;
-    s.length = parts.length;
-    s.load = parts.load;
-    s.cone = cone_radius<true>(mu, s.load);
-    s.excess = s.length - s.cone;
-    s.rounding = 1e-14 * s.cone + s.noise;
-}
-
 bool SurfaceGround::leads_off(const SurfaceSpot& s) noexcept {
     const Vec2 way = parameters(s.jet, s.along);
     return leaves(s.place.u, way.x) || leaves(s.place.v, way.y);
@@ -58,29 +47,54 @@ bool SurfaceGround::look_beyond(const Footing& at, SurfaceHeading& over, Surface
     return true;
 }
 
-/// Of a way along an edge: the other side of it bars the way as well, and both carry.
+bool SurfaceGround::leads_over(const SurfaceSpot& s, bool in_u) noexcept {
+    const Vec2 way = parameters(s.jet, s.along);
+    return in_u ? leaves(s.place.u, way.x) : leaves(s.place.v, way.y);
+}
+
+/// Of a way along an edge: both its sides bar the way over it, and both carry.
 bool SurfaceGround::crease_beyond(const Footing& at) noexcept {
     SurfaceSpot other;
     SurfaceHeading over;
     if (!look_beyond(at, over, other)) {
         return false;
     }
-    const Vec2 way = parameters(other.jet, other.along);
-    const bool off = over.in_u ? leaves(other.place.u, way.x) : leaves(other.place.v, way.y);
-    return off && between(at.spot, other) == Between::crease;
+    const bool from_u = at.way == Footing::Way::along_v;
+    return leads_over(at.spot, from_u) && leads_over(other, over.in_u) &&
+           between(at.spot, other) == Between::crease;
+}
+
+bool SurfaceGround::look_over_crease(const Footing& at, SurfaceSpot& other) noexcept {
+    SurfaceHeading over;
+    if (!look_beyond(at, over, other) || smooth(at.spot.normal, other.normal)) {
+        return false;
+    }
+    const bool high = (over.in_u ? other.place.u : other.place.v) == 1.0;
+    const Vec3 into = (high ? -1.0 : 1.0) * (over.in_u ? other.jet.du : other.jet.dv);
+    return glm::dot(into, at.spot.normal) > 0.0;
+}
+
+/// Where its own patch leads on: in the cone of the other side of a crease it rests all the same,
+/// and where both lead out of the crease it goes along the one behind which HIP is.
+void SurfaceGround::ask_beyond_crease(Footing& at) noexcept {
+    Footing next;
+    if (!look_over_crease(at, next.spot) || !(next.spot.load > 0.0)) {
+        return;
+    }
+    on_patch(next);
+    if (next.way == Footing::Way::rests) {
+        at = next;
+        rest_in_crease(at);
+    } else if (next.way == Footing::Way::open && at.spot.load <= 0.0) {
+        at = next;
+    }
 }
 
 /// In the cone of one side: that counts on whose side of all normals between theirs HIP is.
 void SurfaceGround::rest_in_crease(Footing& at) noexcept {
     SurfaceSpot other;
-    SurfaceHeading over;
-    if (!look_beyond(at, over, other) || smooth(at.spot.normal, other.normal)) {
+    if (!look_over_crease(at, other)) {
         return;
-    }
-    const bool high = (over.in_u ? other.place.u : other.place.v) == 1.0;
-    const Vec3 into = (high ? -1.0 : 1.0) * (over.in_u ? other.jet.du : other.jet.dv);
-    if (!(glm::dot(into, at.spot.normal) > 0.0)) {
-        return;  // convex
     }
     at.crease = true;
     if (leads_off(at.spot) && leads_off(other)) {
@@ -111,13 +125,23 @@ void SurfaceGround::in_crease(Footing& at, const Vec3& way) const noexcept {
 /// by a tip.
 void SurfaceGround::at_corner(Footing& best, const SurfaceObject::Around& all) noexcept {
     using Way = Footing::Way;
-    if (best.way == Way::along_u || best.way == Way::along_v) {
-        if (crease_beyond(best)) {
-            in_crease(best, best.way == Way::along_u ? best.spot.jet.du : best.spot.jet.dv);
+    const auto along_crease = [&](Way way) {
+        const bool crease = crease_beyond({best.spot, way});
+        if (crease) {
+            in_crease(best, way == Way::along_u ? best.spot.jet.du : best.spot.jet.dv);
         }
+        return crease;
+    };
+    if (best.way == Way::along_u || best.way == Way::along_v) {
+        along_crease(best.way);
         return;
     }
-    if (best.way != Way::held || all.open) {
+    const bool rests = best.way == Way::rests && mu_ > 0.0 && all.open;
+    if (best.way != Way::held && !rests) {
+        return;
+    }
+    if (all.open) {  // at the end of a crease both its sides still carry
+        static_cast<void>(along_crease(Way::along_u) || along_crease(Way::along_v));
         return;
     }
     if (!surface_.behind_edge(best.spot.place, best.spot.r)) {

@@ -30,17 +30,10 @@ void SurfaceGround::look(const SurfacePlace& place, SurfaceSpot& s) noexcept {
 }
 
 void SurfaceGround::measure(SurfaceSpot& s) const noexcept {
-    s.normal = surface_.normal_at(s.place, s.jet);
     s.r = h_ - s.jet.point;
-    const Stretch<3> parts = stretch<3>(s.r, s.normal);
     s.r2 = glm::dot(s.r, s.r);
-    s.along = parts.tangential;
-    s.length = parts.length;
-    s.load = parts.load;
-    s.cone = cone_radius<true>(mu_, parts.load);
-    s.excess = parts.length - s.cone;
     s.noise = 4.0 * kEpsilon * (glm::length(s.jet.point) + std::sqrt(s.r2));
-    s.rounding = 1e-14 * s.cone + s.noise;
+    feel(s, surface_.normal_at(s.place, s.jet), mu_);
 }
 
 void SurfaceGround::own_normal(Footing& at) const noexcept {
@@ -121,14 +114,19 @@ void SurfaceGround::footing(Footing& best) noexcept {
         return;
     }
     const bool on_one_edge = at_end(p.u) != at_end(p.v);
-    const bool pole = surface_.pole_u(p) || surface_.pole_v(p);
+    const bool pole = surface_.on_pole(p);
     if (rests && mu_ > 0.0) {
         if (on_one_edge && !pole) {
             rest_in_crease(best);
+        } else if (!pole) {
+            at_corner(best, surface_.around(p));
         }
         return;
     }
     if (!pole && best.way == Footing::Way::open) {
+        if (on_one_edge && mu_ > 0.0) {
+            ask_beyond_crease(best);
+        }
         return;
     }
     const SurfaceObject::Around all = surface_.around(p);
@@ -209,7 +207,7 @@ Footing SurfaceGround::at_pole(const SurfacePlace& place) noexcept {
     }
     for (std::size_t m = 0; m < all.count; ++m) {
         const SurfacePlace& p = all.places[m];
-        const bool on_pole = surface_.pole_u(p) || surface_.pole_v(p);
+        const bool on_pole = surface_.on_pole(p);
         Footing next{look(p)};
         on_patch(next);
         if (!on_pole || next.way == Footing::Way::held) {
@@ -234,9 +232,9 @@ void SurfaceGround::round_pole(const SurfaceObject::Around& all, const Ask& ask)
     constexpr int kPerPatch = 8;
     for (std::size_t m = 0; m < all.count; ++m) {
         const SurfacePlace& end = all.places[m];
-        const bool in_u = surface_.pole_u(end);
+        const bool in_u = surface_.pole(true, end);
         const bool begins = (in_u ? end.j : end.i) == 0 && (in_u ? end.v : end.u) == 0.0;
-        if ((!in_u && !surface_.pole_v(end)) || !begins) {
+        if (!surface_.on_pole(end) || !begins) {
             continue;  // each pole once
         }
         const NurbsSurface& patches = surface_.surface_of(end);
@@ -263,17 +261,14 @@ double SurfaceGround::way_off(const SurfacePlace& p, bool in_u) noexcept {
 }
 
 bool SurfaceGround::to_pole(SurfacePlace& p) const noexcept {
-    SurfacePlace at = p;
-    at.u = p.u < 0.5 ? 0.0 : 1.0;
-    if (surface_.pole_u(at)) {
-        p = at;
-        return true;
-    }
-    at = p;
-    at.v = p.v < 0.5 ? 0.0 : 1.0;
-    if (surface_.pole_v(at)) {
-        p = at;
-        return true;
+    for (const bool in_u : {true, false}) {
+        SurfacePlace at = p;
+        double& t = in_u ? at.u : at.v;
+        t = t < 0.5 ? 0.0 : 1.0;
+        if (surface_.pole(in_u, at)) {
+            p = at;
+            return true;
+        }
     }
     return false;
 }

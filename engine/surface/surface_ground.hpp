@@ -42,7 +42,16 @@ struct Footing {
 [[nodiscard]] bool smooth(const Vec3& a, const Vec3& b) noexcept;
 
 /// The spot as it is felt with another normal.
-void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept;
+[[gnu::always_inline]] inline void feel(SurfaceSpot& s, const Vec3& normal, double mu) noexcept {
+    const Stretch<3> parts = stretch<3>(s.r, normal);
+    s.normal = normal;
+    s.along = parts.tangential;
+    s.length = parts.length;
+    s.load = parts.load;
+    s.cone = cone_radius<true>(mu, s.load);
+    s.excess = s.length - s.cone;
+    s.rounding = 1e-14 * s.cone + s.noise;
+}
 
 /// What the god-object finds under its feet.
 class SurfaceGround {
@@ -110,6 +119,8 @@ private:
     [[nodiscard]] int rank(const Footing& f) const noexcept;
     /// The drive leads off the patch.
     [[nodiscard]] static bool leads_off(const SurfaceSpot& s) noexcept;
+    /// Over its edge u = 0 or 1 (`in_u`), or v = 0 or 1.
+    [[nodiscard]] static bool leads_over(const SurfaceSpot& s, bool in_u) noexcept;
     /// Along the edge that the place is on.
     [[nodiscard]] static Vec3 edge_of(const SurfaceSpot& s) noexcept;
     /// Two sides of an edge that both bar the way over it.
@@ -119,7 +130,10 @@ private:
                                    SurfaceHeading& over,
                                    SurfaceSpot& s) noexcept;
     [[nodiscard]] bool crease_beyond(const Footing& at) noexcept;
+    /// The same place on the other side of a concave crease. @return false: it is none
+    [[nodiscard]] bool look_over_crease(const Footing& at, SurfaceSpot& other) noexcept;
     void rest_in_crease(Footing& at) noexcept;
+    void ask_beyond_crease(Footing& at) noexcept;
     void in_crease(Footing& at, const Vec3& way) const noexcept;
     void at_corner(Footing& best, const SurfaceObject::Around& all) noexcept;
     [[nodiscard]] Footing at_pole(const SurfacePlace& place) noexcept;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/math/bernstein.hpp"
 #include "engine/surface/surface_object.hpp"
 
 namespace palpate::engine {
@@ -54,7 +55,7 @@ Range bend_range(const DistanceForm& form, const std::vector<double>& g, int kin
                            by = f;
                            range.add(f * ((g[a] - g[b]) - (g[c] - g[d])));
                        });
-    const double wide = kMargin * by * largest(g);
+    const double wide = kMargin * by * largest_magnitude(g);
     return {range.low - wide, range.high + wide};
 }
 

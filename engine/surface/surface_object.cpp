@@ -19,7 +19,8 @@ std::uint8_t side_of(const SurfaceHeading& way) noexcept {
 }
 
 bool open(const NurbsSurface& s, int side) noexcept {
-    return side < 2 ? !s.closed_u() && !s.pole_u(side == 1) : !s.closed_v() && !s.pole_v(side == 3);
+    const bool in_u = side < 2;
+    return !s.closed(in_u) && !s.pole(in_u, side % 2 == 1);
 }
 
 /// A part of one border lies on the other.
@@ -172,7 +173,7 @@ void SurfaceObject::join_borders() {
 
 bool SurfaceObject::cross(SurfacePlace& p, SurfaceHeading& way) const noexcept {
     const NurbsSurface& s = surface_of(p);
-    if (way.in_u ? s.cross_u(p, way.forward) : s.cross_v(p, way.forward)) {
+    if (s.cross(p, way)) {
         return true;
     }
     const std::uint8_t side = side_of(way);
@@ -209,16 +210,12 @@ bool SurfaceObject::cross(SurfacePlace& p, SurfaceHeading& way) const noexcept {
     return true;
 }
 
-bool SurfaceObject::pole_u(const SurfacePlace& p) const noexcept {
+bool SurfaceObject::pole(bool in_u, const SurfacePlace& p) const noexcept {
     const NurbsSurface& s = surface_of(p);
-    return (p.u == 0.0 && p.i == 0 && s.pole_u(false)) ||
-           (p.u == 1.0 && p.i + 1 == s.rows() && s.pole_u(true));
-}
-
-bool SurfaceObject::pole_v(const SurfacePlace& p) const noexcept {
-    const NurbsSurface& s = surface_of(p);
-    return (p.v == 0.0 && p.j == 0 && s.pole_v(false)) ||
-           (p.v == 1.0 && p.j + 1 == s.columns() && s.pole_v(true));
+    const double t = in_u ? p.u : p.v;
+    const std::size_t k = in_u ? p.i : p.j;
+    return (t == 0.0 && k == 0 && s.pole(in_u, false)) ||
+           (t == 1.0 && k + 1 == (in_u ? s.rows() : s.columns()) && s.pole(in_u, true));
 }
 
 SurfaceObject::Around SurfaceObject::around(const SurfacePlace& p) const noexcept {
@@ -245,7 +242,7 @@ SurfaceObject::Around SurfaceObject::around(const SurfacePlace& p) const noexcep
                 continue;
             }
             SurfacePlace next = at;
-            if (in_u ? pole_u(at) : pole_v(at)) {  // round it: to both of its ends
+            if (pole(in_u, at)) {  // round it: to both of its ends
                 all.pole = true;
                 const NurbsSurface& s = surface_of(at);
                 (in_u ? next.j : next.i) = 0;

@@ -22,12 +22,6 @@ namespace palpate::engine {
     return (t == 0.0 && by < 0.0) || (t == 1.0 && by > 0.0);
 }
 
-/// A way over an edge of a patch: the parameter that changes, and whether it grows.
-struct SurfaceHeading {
-    bool in_u = true;
-    bool forward = true;
-};
-
 /// One NURBS surface or several that are joined into one object.
 ///
 /// Two open borders of different surfaces are joined when they are the same curve in one of the two
@@ -88,9 +82,11 @@ public:
     /// @return false at an open border and at a pole: nothing changed
     [[nodiscard]] bool cross(SurfacePlace& p, SurfaceHeading& way) const noexcept;
 
-    /// The place lies on a pole that ends u, or v.
-    [[nodiscard]] bool pole_u(const SurfacePlace& p) const noexcept;
-    [[nodiscard]] bool pole_v(const SurfacePlace& p) const noexcept;
+    /// The place lies on a pole that ends u (`in_u`), or v; or either.
+    [[nodiscard]] bool pole(bool in_u, const SurfacePlace& p) const noexcept;
+    [[nodiscard]] bool on_pole(const SurfacePlace& p) const noexcept {
+        return pole(true, p) || pole(false, p);
+    }
 
     /// A point as all patches see it that meet there.
     struct Around {

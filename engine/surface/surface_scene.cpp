@@ -191,7 +191,7 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                            .settled = slide.settled};
     const double cone = mu * load;
     // Without friction what is left along the surface is rounding, or held by a border.
-    if (!slide.in_crease && (cone == 0.0 || (slide.outside_cone && slide.length > cone))) {
+    if ((cone == 0.0 && !slide.in_crease) || (slide.outside_cone && slide.length > cone)) {
         const double share = cone > 0.0 ? cone / slide.length : 0.0;
         contact.force = k * (load * slide.normal - share * slide.tangential);
         contact.tangential_force = k * cone;

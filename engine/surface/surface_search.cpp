@@ -120,8 +120,7 @@ void SurfaceFeet::grow(SurfaceTrack& track, const Vec3& h, double d2) const noex
         return;
     }
     const auto smooth = [&](bool in_u, std::uint32_t edge) {
-        return edge % grid.per_side != 0 || (in_u ? surface.smooth_u(edge / grid.per_side)
-                                                  : surface.smooth_v(edge / grid.per_side));
+        return edge % grid.per_side != 0 || surface.smooth(in_u, edge / grid.per_side);
     };
     // HIP has no more room than to where something outside of the window is as near as the foot.
     const double at_u = (static_cast<double>(p.i) + p.u) * grid.per_side;

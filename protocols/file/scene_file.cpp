@@ -128,8 +128,21 @@ constexpr Key kSurface[]{
 SceneRenderer read_renderer(TableReader table) {
     SceneRenderer r;
     table.read(kRenderer, &r);
-    if (!r.certified() && r.tracker != Tracker::tangent_plane && r.tracker != Tracker::newton) {
+    const bool gains =
+        !r.certified() && r.tracker != Tracker::tangent_plane && r.tracker != Tracker::newton;
+    if (gains) {
         table.read(kGain, &r);
+    }
+    const std::pair<std::string_view, bool> read_by_some[]{
+        {"sub_steps", gains},
+        {"rate_hz", r.tracker == Tracker::tangent_plane},
+        {"iterations", r.tracker == Tracker::newton}};
+    for (const auto& [key, reads] : read_by_some) {
+        if (!reads && table.has(key)) {
+            table.refuse(key, fmt::format("{} is given, and the tracker does not read it: delete "
+                                          "it, or give another tracker",
+                                          key));
+        }
     }
     table.refuse_unknown();
     return r;
@@ -148,6 +161,13 @@ SceneFriction read_friction(TableReader table, const Places& places, Problems& p
     }
     LawKeys law = *known;
     law.law = friction.law;
+    law.relaxes = law.relaxes && !thesis;
+    constexpr std::string_view kDeadBand = "dead_band_m_per_s";
+    if (!thesis && table.has(kDeadBand)) {
+        table.refuse(kDeadBand, fmt::format("{} is given, but law is \"{}\", which does not read "
+                                            "it: delete it, or give one of the thesis' laws",
+                                            kDeadBand, friction.law));
+    }
     if (!law.check(kSceneFriction, table.path(), places, problems)) {
         return friction;
     }
@@ -238,6 +258,24 @@ void check_softness(const SceneFile& scene, Problems& problems) {
     }
 }
 
+/// The thesis' renderer is a spring with one of the thesis' laws, at once around every vertex.
+void check_thesis(const SceneFile& scene, Problems& problems) {
+    if (!scene.by_thesis() || !scene.surfaces.empty()) {
+        return;
+    }
+    const std::pair<std::string_view, double> not_felt[]{
+        {"renderer.damping_n_s_per_m", scene.renderer.damping},
+        {"friction.vertex_slew_m_per_s", scene.friction.slew.speed}};
+    for (const auto& [key, value] : not_felt) {
+        if (value != 0.0) {
+            problems.add(scene.places.of(std::string(key)),
+                         fmt::format("{} is {}, and the thesis' laws and trackers do not know it: "
+                                     "delete it, or give tracker \"certified\" and another law",
+                                     key.substr(key.find('.') + 1), value));
+        }
+    }
+}
+
 /// What holds across tables.
 void check_whole(const SceneFile& scene, Problems& problems) {
     const Position at{};
@@ -266,6 +304,7 @@ void check_whole(const SceneFile& scene, Problems& problems) {
             "[[surface]] give tracker "
             "\"certified\" and law \"gos\", \"coulomb\" or \"frictionless\"");
     }
+    check_thesis(scene, problems);
     if (scene.renderer.compliance > 0.0) {
         check_softness(scene, problems);
     }

@@ -21,6 +21,11 @@ namespace palpate::protocols {
 /// Algorithm 1.
 inline constexpr std::array<std::string_view, 2> kThesisLaws{"thesis_literal", "thesis_latched"};
 
+/// Whether the contact force follows one of the thesis' laws.
+[[nodiscard]] constexpr bool is_thesis_law(std::string_view law) noexcept {
+    return law.starts_with("thesis_");
+}
+
 /// How the closest point is found: proved the nearest, or followed in one of the thesis' ways.
 enum class Tracker : std::uint8_t {
     certified,
@@ -74,6 +79,14 @@ struct SceneFile {
     std::vector<std::size_t> surface_of;
     Places places{};  ///< where everything stands
 
+    /// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker
+    /// decides the force. With friction our law needs no tracker in contact; the column cp alone
+    /// would differ.
+    [[nodiscard]] bool by_thesis() const noexcept {
+        return is_thesis_law(friction.law) ||
+               (!renderer.certified() && friction.law == "frictionless");
+    }
+
     /// 2 or 3: the number of coordinates of its points.
     [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }
 };
@@ -102,11 +115,6 @@ enum class Crossings : std::uint8_t { refused, taken };
 [[nodiscard]] ProtocolError not_felt(const SceneFile& scene,
                                      std::string_view name,
                                      std::string_view why);
-
-/// Whether the contact force follows one of the thesis' laws.
-[[nodiscard]] constexpr bool is_thesis_law(std::string_view law) noexcept {
-    return law.starts_with("thesis_");
-}
 
 /// What the engine needs of a scene whose law is none of the thesis'.
 /// @param period  tick period, s

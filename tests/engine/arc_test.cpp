@@ -1,6 +1,7 @@
 #include "engine/rendering/scene.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 

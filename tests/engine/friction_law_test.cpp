@@ -2,6 +2,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,5 +1,6 @@
 #include "engine/geometry/outline.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 
 using namespace palpate::engine;

@@ -2,10 +2,10 @@
 #include "engine/device/replay_device.hpp"
 #include "engine/realtime/tick_loop.hpp"
 #include "engine/rendering/energy_ledger.hpp"
-#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 

@@ -88,12 +88,12 @@ TEST_CASE("a ball, a ring and a tube have their radius, normal and curvature eve
                   Approx(1.0 / r).epsilon(1e-12));
         }
     }
-    CHECK(ball.closed_u());
-    CHECK_FALSE(ball.closed_v());  // its v edges are poles
-    CHECK(ring.closed_u());
-    CHECK(ring.closed_v());
-    CHECK(tube.closed_u());
-    CHECK_FALSE(tube.closed_v());
+    CHECK(ball.closed(true));
+    CHECK_FALSE(ball.closed(false));  // its v edges are poles
+    CHECK(ring.closed(true));
+    CHECK(ring.closed(false));
+    CHECK(tube.closed(true));
+    CHECK_FALSE(tube.closed(false));
 }
 
 TEST_CASE("where the first derivatives vanish the normal is its limit from inside",

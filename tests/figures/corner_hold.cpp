@@ -12,6 +12,7 @@
 #include "tests/figures/friction_run.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/region_drawing.hpp"
+#include "tests/support/frame.hpp"
 
 namespace palpate::figures {
 namespace {

@@ -10,6 +10,7 @@
 #include "tests/figures/objects.hpp"
 #include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/figures/tick_finder.hpp"
+#include "tests/support/frame.hpp"
 
 namespace palpate::figures {
 namespace {

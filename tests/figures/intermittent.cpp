@@ -9,6 +9,7 @@
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
+#include "tests/support/frame.hpp"
 
 namespace palpate::figures {
 namespace {

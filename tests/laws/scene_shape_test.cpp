@@ -189,7 +189,13 @@ TEST_CASE("a scene has the keys that its law reads and no others, as a protocol"
     const std::string line = "[[segment]]\nkind = \"line\"\nfrom_m = [-0.1, 0]\nto_m = [0.1, 0]\n";
     for (const auto& [keys, sentence] : std::vector<std::pair<std::string, std::string>>{
              {"law = \"coulomb\"\nmu_d = 0.5\n", ""},
-             {"law = \"thesis_latched\"\nmu_s = 0.5\nmu_d = 0.5\ntau_slip_s = 0.1\n", ""},
+             {"law = \"thesis_latched\"\nmu_s = 0.5\nmu_d = 0.5\ndead_band_m_per_s = 0.1\n", ""},
+             {"law = \"thesis_latched\"\nmu_s = 0.5\nmu_d = 0.5\ntau_slip_s = 0.1\n",
+              "5:14: tau_slip_s is given, but law is \"thesis_latched\", which does not read it"},
+             {"law = \"thesis_latched\"\nmu_s = 0.5\nmu_d = 0.5\nvertex_slew_m_per_s = 0.1\n",
+              "5:23: vertex_slew_m_per_s is 0.1, and the thesis' laws and trackers do not know it"},
+             {"law = \"gos\"\nmu_s = 0.5\nmu_d = 0.5\ndead_band_m_per_s = 0.1\n",
+              "5:21: dead_band_m_per_s is given, but law is \"gos\", which does not read it"},
              {"law = \"lugre\"\nmu_s = 0.5\nmu_d = 0.5\nstribeck_speed_m_per_s = 0.1\n", ""},
              {"law = \"coulomb\"\nmu_s = 0.9\nmu_d = 0.5\n",
               "3:8: mu_s is given, but law is \"coulomb\", which does not read it: delete it"},
@@ -199,6 +205,18 @@ TEST_CASE("a scene has the keys that its law reads and no others, as a protocol"
              {"law = \"gos\"\nmu_d = 0.5\n", "1:2: law \"gos\" needs the key mu_s: add it"},
              {"law = \"gos\"\nmu_s = 0.4\nmu_d = 0.5\n", "3:8: mu_s is 0.4, below mu_d = 0.5"}}) {
         both_say("[friction]\n" + keys + line, sentence, kPlanePoints);
+    }
+    for (const auto& [keys, sentence] : std::vector<std::pair<std::string, std::string>>{
+             {"tracker = \"newton\"\niterations = 2\n", ""},
+             {"tracker = \"newton\"\ndamping_n_s_per_m = 0.5\n",
+              "3:21: damping_n_s_per_m is 0.5, and the thesis' laws and trackers do not know it"},
+             {"tracker = \"newton\"\nsub_steps = 2\n",
+              "3:13: sub_steps is given, and the tracker does not read it: delete it"},
+             {"iterations = 2\n", "2:14: iterations is given, and the tracker does not read it"},
+             {"tracker = \"feedback\"\ngain = 10.0\nrate_hz = 100.0\n",
+              "4:11: rate_hz is given, and the tracker does not read it"}}) {
+        both_say("[renderer]\n" + keys + "[friction]\nlaw = \"frictionless\"\n" + line, sentence,
+                 kPlanePoints);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "protocols/design/object_outline.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/object_hash.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/short_text.hpp"

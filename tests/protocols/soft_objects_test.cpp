@@ -3,6 +3,7 @@
 #include "protocols/session/progress.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "protocols/trial/trial_scene.hpp"
+#include "tests/support/frame.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/test_text.hpp"

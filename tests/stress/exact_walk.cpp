@@ -194,20 +194,25 @@ private:
         const Seam& seam = outline_.seams()[index];
         const Stretch on = stretch(place(seam.point), tangent(seam.after, false), 1);
         const Stretch back = stretch(place(seam.point), tangent(seam.before, true), -1);
+        // Left along the side that drives outwards, out of its own cone, unless the other side holds
+        // the god-object in its cone: on that side alone it would stay. Of two the steeper one.
         const auto drives = [](const Stretch& s, Real margin) {
             return s.tau > margin && s.excess > margin;
         };
-        const bool may_on = direction >= 0 && drives(on, -band_);
-        const bool must_on = direction >= 0 && drives(on, band_);
-        const bool may_back = direction <= 0 && drives(back, -band_) && !must_on;
-        const bool must_back = direction <= 0 && drives(back, band_);
-        if (may_on) {
+        const auto carries = [](const Stretch& s, Real margin) {
+            return s.nu > margin && s.excess <= -margin;
+        };
+        const bool may_on = direction >= 0 && drives(on, -band_) && !carries(back, band_);
+        const bool may_back = direction <= 0 && drives(back, -band_) && !carries(on, band_);
+        const bool sure_on = direction >= 0 && drives(on, band_) && !carries(back, -band_);
+        const bool sure_back = direction <= 0 && drives(back, band_) && !carries(on, -band_);
+        if (may_on && !(sure_back && back.tau > on.tau + band_)) {
             leave(seam, 1);
         }
-        if (may_back) {
+        if (may_back && !(sure_on && on.tau > back.tau + band_)) {
             leave(seam, -1);
         }
-        if (!must_on && !must_back) {
+        if (!sure_on && !sure_back) {
             stop(on, true);
         }
     }

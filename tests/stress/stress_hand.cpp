@@ -1,4 +1,5 @@
 #include "tests/stress/stress_scene.hpp"
+#include "tests/support/frame.hpp"
 
 namespace palpate::stress {
 namespace {

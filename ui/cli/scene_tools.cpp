@@ -25,7 +25,6 @@ namespace {
 
 using engine::Vec;
 using engine::Vec2;
-using protocols::is_thesis_law;
 using protocols::SceneFile;
 
 /// A mode as render writes it: whoever reads its tables knows them so.
@@ -164,14 +163,6 @@ void check_even(const Trajectory& path) {
     }
 }
 
-/// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker
-/// decides the force. With friction our law needs no tracker in contact; the column cp alone would
-/// differ.
-bool by_thesis(const SceneFile& file) {
-    return is_thesis_law(file.friction.law) ||
-           (!file.renderer.certified() && file.friction.law == "frictionless");
-}
-
 Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {
     if (!scene.surfaces.empty()) {
         return surface_feel(scene, period);
@@ -179,7 +170,7 @@ Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {
     refuse_if(scene.curves.empty(),
               "curves in space cannot be felt, only asked for the closest point: give plane curves "
               "or [[surface]] tables");
-    const MakePlaneFeel make = by_thesis(scene) ? thesis : plane_feel;
+    const MakePlaneFeel make = scene.by_thesis() ? thesis : plane_feel;
     return [feel = make(scene, period)](Lines& lines, const Trajectory::Tick& tick) {
         add_row(lines, tick.t, feel({tick.hip.x, tick.hip.y}, tick.period));
     };
@@ -263,7 +254,7 @@ int render(const SceneOptions& options, MakePlaneFeel thesis) {
     const SceneFile scene = protocols::load_scene(options.scene);
     const Trajectory path(options.points, scene.dimension(), true);
     const bool space = !scene.surfaces.empty();
-    if (!space && by_thesis(scene)) {
+    if (!space && scene.by_thesis()) {
         check_even(path);
     }
     Feel feel;
