@@ -18,7 +18,7 @@ struct StoredAnswers {
     std::vector<Answers> all{};
     /// Runs in the order of the protocol, frictions from the least: as in all tables.
     std::vector<std::string> conditions{};
-    std::string stimulus{};  ///< what it is: "curvature in 1/m"
+    std::string stimulus{};                ///< what it is: "curvature in 1/m"
     std::vector<StudyVersion> versions{};  ///< where the file has several of a protocol
     LeftOut left_out{};
 };
