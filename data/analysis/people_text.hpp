@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "protocols/protocol/protocol.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
 #include "data/tables/table.hpp"
@@ -67,6 +68,10 @@ struct RuleRuns {
     Table shares{};                    ///< a row a stimulus
     std::vector<PeopleTable> means{};  ///< of each estimate, a condition a run
 };
+/// What graded stimuli of a study are, as "log10 of compliance in mm/N"; without a rule of planned
+/// objects the curvature.
+[[nodiscard]] std::string stimulus_text(const protocols::Protocol& protocol);
+
 /// Empty without a rule.
 [[nodiscard]] RuleRuns rule_runs(Database& database, const Group& group);
 /// Run by run, unless somebody is left out (then it stands above), then over people.

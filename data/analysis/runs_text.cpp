@@ -220,31 +220,24 @@ struct Meaning {
 };
 
 std::string standard_text(const Protocol& protocol) {
+    using protocols::Varies;
     const protocols::AdaptiveSpec& rule = *protocol.procedure;
-    const bool curvature = rule.varies == protocols::Varies::curvature;
-    const bool soft = rule.varies == protocols::Varies::compliance;
-    std::string text = fmt::format(
-        "  Stimuli: {}{}.", rule.stimulus_as == protocols::StimulusAs::log10 ? "log10 of " : "",
-        curvature ? "curvature in 1/m"
-        : soft    ? "compliance in mm/N"
-                  : "static friction coefficient");
+    std::string text = fmt::format("  Stimuli: {}.", stimulus_text(protocol));
     if (protocol.response.kind != protocols::ResponseKind::two_interval) {
         return text + '\n';
     }
+    const auto object =
+        std::ranges::find(protocol.objects, rule.object, &protocols::ObjectSpec::name);
     for (const protocols::RunSpec& run : protocol.runs) {
-        double standard = 0.0;
-        for (const auto& object : protocol.objects) {
-            if (object.name == rule.object) {
-                standard = curvature ? object.curvature : soft ? 1e3 * object.compliance : standard;
-            }
-        }
-        for (const auto& friction : protocol.frictions) {
-            const std::string& name =
-                run.standard_friction.empty() ? run.friction : run.standard_friction;
-            standard = !curvature && !soft && friction.name == name ? friction.mu_s : standard;
-        }
+        const auto friction =
+            std::ranges::find(protocol.frictions,
+                              run.standard_friction.empty() ? run.friction : run.standard_friction,
+                              &protocols::FrictionSpec::name);
         text += fmt::format("{}{}: standard {:g}", &run == protocol.runs.data() ? " Run " : ", ",
-                            run.name, standard);
+                            run.name,
+                            rule.varies == Varies::curvature    ? object->curvature
+                            : rule.varies == Varies::compliance ? 1e3 * object->compliance
+                                                                : friction->mu_s);
     }
     return text + ".\n";
 }
@@ -259,6 +252,16 @@ std::string legend(const Protocol& protocol) {
 }
 
 }  // namespace
+
+std::string stimulus_text(const Protocol& protocol) {
+    const auto& rule = protocol.procedure;
+    const auto varies = rule ? rule->varies : protocols::Varies::curvature;
+    const bool log = rule && rule->stimulus_as == protocols::StimulusAs::log10;
+    return fmt::format("{}{}", log ? "log10 of " : "",
+                       varies == protocols::Varies::curvature    ? "curvature in 1/m"
+                       : varies == protocols::Varies::compliance ? "compliance in mm/N"
+                                                                 : "static friction coefficient");
+}
 
 RuleRuns rule_runs(Database& database, const Group& group) {
     RuleRuns found = nothing_found();

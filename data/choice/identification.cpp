@@ -37,10 +37,11 @@ void name_items(IdentificationReport& report) {
     }
     for (const std::string& name : names) {
         const std::optional<double> value = value_of(report.options, name);
-        refuse_if(!value,
-                  "{}: \"{}\" has no value to be ordered by: give --item \"{}=VALUE\", and so for "
-                  "every item (of a database: the curvature of its object)",
-                  report.table.source, name, name);
+        refuse_if(
+            !value,
+            "{}: \"{}\" has no value to be ordered by: give --item \"{}=VALUE\", and so for "
+            "every item (of a database: the curvature of its object, the same in all versions)",
+            report.table.source, name, name);
         all.emplace_back(*value, name);
     }
     std::ranges::sort(all);
@@ -241,9 +242,9 @@ std::string why_unbounded(SigmaEnd end) {
 std::map<std::string, double> item_values(Database& database, const std::string& study) {
     std::map<std::string, double> values;
     for (const Statement& row : database.prepare(
-             "SELECT DISTINCT planned_object, curvature_per_m FROM plan JOIN session USING "
+             "SELECT planned_object, min(curvature_per_m) FROM plan JOIN session USING "
              "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND curvature_per_m "
-             "IS NOT NULL",
+             "IS NOT NULL GROUP BY 1 HAVING min(curvature_per_m) = max(curvature_per_m)",
              study)) {
         values[row.text(0)] = row.real(1);
     }

@@ -27,6 +27,19 @@ std::string never_confused(const IdentificationReport& report,
     return text;
 }
 
+/// Names of the items of each group.
+std::vector<std::vector<std::string>> named_groups(const IdentificationReport& report,
+                                                   const SimilarityFit& fit) {
+    std::vector<std::vector<std::string>> all;
+    for (const auto& group : fit.groups) {
+        auto& names = all.emplace_back();
+        for (const std::size_t item : group) {
+            names.push_back(report.names[item]);
+        }
+    }
+    return all;
+}
+
 /// What the answers of a person leave at a boundary, and how the answers were biased.
 void add_notes(const IdentificationReport& report,
                const IdentifiedPerson& person,
@@ -44,6 +57,15 @@ void add_notes(const IdentificationReport& report,
         bias += fmt::format("{} {} {:.2f}", j > 0 ? "," : "", report.names[j], fit->bias[j]);
     }
     table.notes.push_back(fmt::format("{}, bias:{}", friction, bias));
+    if (fit->groups.size() > 1) {
+        std::vector<std::string> groups;
+        for (const auto& names : named_groups(report, *fit)) {
+            groups.push_back(fmt::format("{}", fmt::join(names, ", ")));
+        }
+        table.notes.push_back(fmt::format(
+            "{}, biases have a ratio within each of these alone, which no confusion links: {}",
+            friction, fmt::join(groups, " | ")));
+    }
     if (const std::string never = never_confused(report, person, f); !never.empty()) {
         table.notes.push_back(
             fmt::format("{}, at the boundary, never confused: {}", friction, never));
@@ -106,6 +128,7 @@ void add_matrices(const IdentificationReport& report,
         person.no_similarity[f].empty() ? Json(nullptr) : Json(person.no_similarity[f]);
     if (const auto& fit = person.similarity[f]; fit) {
         friction["bias"] = fit->bias;
+        friction["bias_groups"] = named_groups(report, *fit);
         friction["similarity"] = fit->similarity;
         friction["similarity_95"] = Json::array();
         for (const auto& row : fit->intervals) {

@@ -13,77 +13,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr double kResidual = 1e-10;
-constexpr int kMaxRounds = 100000;
-
 using Numbers = std::vector<std::vector<double>>;
-
-struct Margins {
-    std::vector<double> rows;
-    std::vector<double> columns;
-
-    explicit Margins(std::size_t m) : rows(m), columns(m) {}
-    /// @param cell  the number in row i and column j
-    template <class Cell>
-    void sum(const Cell& cell) {
-        std::ranges::fill(rows, 0.0);
-        std::ranges::fill(columns, 0.0);
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            for (std::size_t j = 0; j < rows.size(); ++j) {
-                const double one = cell(i, j);
-                rows[i] += one;
-                columns[j] += one;
-            }
-        }
-    }
-};
-
-/// Factors of the expected table a_i b_j s_ij, s symmetric.
-struct Factors {
-    std::vector<double> row;
-    std::vector<double> column;
-    Numbers pair;
-
-    explicit Factors(std::size_t m)
-        : row(m, 1.0), column(m, 1.0), pair(m, std::vector<double>(m, 1.0)) {}
-
-    [[nodiscard]] double at(std::size_t i, std::size_t j) const {
-        return row[i] * column[j] * pair[i][j];
-    }
-};
-
-double ratio(double wanted, double is) {
-    return is > 0.0 ? wanted / is : 0.0;
-}
-
-/// One round of matching. @return the largest difference before it
-/// @param now  room for the margins there
-double match(Factors& f, const Numbers& counts, const Margins& wanted, Margins& now) {
-    const std::size_t m = counts.size();
-    const auto cell = [&f](std::size_t i, std::size_t j) {
-        return f.at(i, j);
-    };
-    double worst = 0.0;
-    now.sum(cell);
-    for (std::size_t i = 0; i < m; ++i) {
-        worst = std::max({worst, std::fabs(now.rows[i] - wanted.rows[i]),
-                          std::fabs(now.columns[i] - wanted.columns[i])});
-        f.row[i] *= ratio(wanted.rows[i], now.rows[i]);
-    }
-    now.sum(cell);
-    for (std::size_t j = 0; j < m; ++j) {
-        f.column[j] *= ratio(wanted.columns[j], now.columns[j]);
-    }
-    for (std::size_t i = 0; i < m; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) {
-            const double both = counts[i][j] + counts[j][i];
-            const double is = f.at(i, j) + f.at(j, i);
-            f.pair[i][j] *= ratio(both, is);
-            f.pair[j][i] = f.pair[i][j];
-        }
-    }
-    return worst;
-}
 
 Numbers as_numbers(const CallCounts& counts) {
     Numbers table;
@@ -97,12 +27,12 @@ Numbers as_numbers(const CallCounts& counts) {
     return table;
 }
 
-/// The likelihood with one similarity held, by Newton's steps: P(j | i) is a softmax of ln bias_j +
-/// ln similarity_ij, concave in both. Pairs that were never confused, but for the one that is held,
-/// have a similarity of 0.
-class HeldPair {
+/// The likelihood by Newton's steps: P(j | i) is a softmax of ln bias_j + ln similarity_ij, concave
+/// in both. Pairs that were never confused, but for one that is held, have a similarity of 0.
+class ChoiceModel {
 public:
-    HeldPair(const Numbers& counts, std::size_t one, std::size_t other)
+    /// @param one  with `other` the pair that is held; the number of items: none
+    ChoiceModel(const Numbers& counts, std::size_t one, std::size_t other)
         : counts_(counts), place_(counts.size(), std::vector<int>(counts.size(), kNone)) {
         const std::size_t m = counts.size();
         size_ = static_cast<int>(m) - 1;  // ln bias of all but the first
@@ -118,33 +48,48 @@ public:
     }
 
     /// The highest log-likelihood. The next one is looked for from where this one was.
-    double best(double log_similarity) {
+    /// @param log_similarity  of the pair that is held
+    double best(double log_similarity = 0.0) {
         held_ = log_similarity;
-        double value = derivatives(at_);
+        double value = derivatives();
         for (int step = 0; step < 200; ++step) {
             std::vector<double> move = solve_symmetric(raised(), gradient_);
             const double gain =
                 std::inner_product(move.begin(), move.end(), gradient_.begin(), 0.0);
-            if (!(gain > 1e-11)) {
+            if (!(gain >= 0.0)) {
                 break;
             }
-            std::vector<double> next = sum_of(at_, move);
-            double there = derivatives(next);
+            const std::vector<double> before = at_;
+            at_ = sum_of(before, move);
+            double there = derivatives();
+            if (gain < 1e-11) {  // the last one, by rounding alone
+                return std::max(value, there);
+            }
             for (int half = 0; half < 40 && !(there >= value); ++half) {
                 for (double& one : move) {
                     one *= 0.5;
                 }
-                next = sum_of(at_, move);
-                there = derivatives(next);
+                at_ = sum_of(before, move);
+                there = derivatives();
             }
             if (!(there >= value)) {
-                static_cast<void>(derivatives(at_));
+                at_ = before;
+                static_cast<void>(derivatives());
                 break;
             }
-            at_ = std::move(next);
             value = there;
         }
         return value;
+    }
+
+    /// Where best() was, but for the factor that all biases share.
+    [[nodiscard]] double bias(std::size_t j) const { return j > 0 ? std::exp(at_[j - 1]) : 1.0; }
+    [[nodiscard]] double similarity(std::size_t i, std::size_t j) const {
+        return std::exp(log_similarity(i, j));
+    }
+    [[nodiscard]] double largest_slope() const {
+        return std::fabs(*std::ranges::max_element(gradient_, {},
+                                                   [](double slope) { return std::fabs(slope); }));
     }
 
 private:
@@ -153,6 +98,14 @@ private:
     static constexpr int kNever = -3;
 
     [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(size_); }
+
+    [[nodiscard]] double log_similarity(std::size_t i, std::size_t j) const {
+        const int pair = place_[i][j];
+        return pair >= 0      ? at_[static_cast<std::size_t>(pair)]
+             : pair == kHeld  ? held_
+             : pair == kNever ? -std::numeric_limits<double>::infinity()
+                              : 0.0;
+    }
 
     static std::vector<double> sum_of(std::vector<double> a, const std::vector<double>& b) {
         std::ranges::transform(a, b, a.begin(), std::plus<>());
@@ -174,7 +127,7 @@ private:
         return all;
     }
 
-    double derivatives(const std::vector<double>& at) {
+    double derivatives() {
         const std::size_t n = width();
         gradient_.assign(n, 0.0);
         information_.assign(n * n, 0.0);
@@ -185,12 +138,7 @@ private:
             double answers = 0.0;
             double largest = -std::numeric_limits<double>::infinity();
             for (std::size_t j = 0; j < m; ++j) {
-                const int pair = place_[i][j];
-                weights[j] = (j > 0 ? at[j - 1] : 0.0) +
-                             (pair >= 0        ? at[static_cast<std::size_t>(pair)]
-                              : pair == kHeld  ? held_
-                              : pair == kNever ? -std::numeric_limits<double>::infinity()
-                                               : 0.0);
+                weights[j] = (j > 0 ? at_[j - 1] : 0.0) + log_similarity(i, j);
                 largest = std::max(largest, weights[j]);
                 answers += counts_[i][j];
             }
@@ -240,23 +188,24 @@ private:
 
 /// Where the loss against `top` is that of 95 %, from `start` towards `end`; nothing if it never
 /// is.
-std::optional<double> edge(HeldPair& profile, double top, double start, double end) {
+std::optional<double> edge(ChoiceModel& profile, double top, double start, double end) {
     constexpr double kLoss = 1.920729410347062;  // half the 95 % point of chi-square of 1 df
+    const double wanted = std::sqrt(kLoss);
+    const auto root = [&](double place) {
+        return std::sqrt(std::max(0.0, top - profile.best(place)));
+    };
     const double sign = end < start ? -1.0 : 1.0;
-    double near = start;
-    double far = start;
-    for (double way = 0.5; top - profile.best(far) < kLoss; way *= 1.5) {
-        if (far == end) {
+    Reading near{start, root(start)};
+    Reading far = near;
+    for (double way = 0.5; far.value < wanted; way *= 1.5) {
+        if (far.at == end) {
             return std::nullopt;
         }
         near = far;
-        far = sign * std::min(sign * start + way, sign * end);
+        far.at = sign * std::min(sign * start + way, sign * end);
+        far.value = root(far.at);
     }
-    while (std::fabs(far - near) > 1e-7) {
-        const double middle = 0.5 * (near + far);
-        (top - profile.best(middle) < kLoss ? near : far) = middle;
-    }
-    return 0.5 * (near + far);
+    return near.at == far.at ? start : crossing(root, wanted, near, far, 1e-8);
 }
 
 void add_intervals(SimilarityFit& fit, const Numbers& table) {
@@ -266,17 +215,17 @@ void add_intervals(SimilarityFit& fit, const Numbers& table) {
     fit.intervals.assign(m, std::vector<Interval>(m, Interval{1.0, 1.0}));
     for (std::size_t i = 0; i < m; ++i) {
         for (std::size_t j = 0; j < i; ++j) {
-            HeldPair profile(table, i, j);
+            ChoiceModel profile(table, i, j);
             const double similarity = fit.similarity[i][j];
             const double start =
                 similarity > 0.0 ? std::clamp(std::log(similarity), kMin, kMax) : kMin;
             const auto low = edge(profile, fit.log_likelihood, start, kMin);
-            HeldPair upward(table, i, j);
+            ChoiceModel upward(table, i, j);
             const auto high = edge(upward, fit.log_likelihood, start, kMax);
             fit.intervals[i][j] = fit.intervals[j][i] = {
                 low ? std::exp(*low) : 0.0,
                 high ? std::exp(*high) : std::numeric_limits<double>::infinity()};
-            if (!low && table[i][j] + table[j][i] > 0.0) {  // matching comes near it for ever
+            if (!low && table[i][j] + table[j][i] > 0.0) {  // steps come near it for ever
                 fit.similarity[i][j] = fit.similarity[j][i] = 0.0;
                 fit.one_way.emplace_back(j, i);
             }
@@ -284,42 +233,51 @@ void add_intervals(SimilarityFit& fit, const Numbers& table) {
     }
 }
 
+std::vector<std::vector<std::size_t>> groups_of(const Numbers& similarity) {
+    const std::size_t m = similarity.size();
+    std::vector<std::vector<std::size_t>> groups(m);
+    std::vector<std::size_t> of(m);
+    for (std::size_t i = 0; i < m; ++i) {
+        of[i] = i;
+        for (std::size_t j = 0; j < i; ++j) {
+            if (similarity[i][j] > 0.0) {
+                std::ranges::replace(of, std::size_t{of[i]}, std::size_t{of[j]});
+            }
+        }
+    }
+    for (std::size_t i = 0; i < m; ++i) {
+        groups[of[i]].push_back(i);
+    }
+    std::erase_if(groups, [](const auto& group) { return group.empty(); });
+    return groups;
+}
+
 }  // namespace
 
 SimilarityFit fit_similarity(const CallCounts& counts) {
     const Numbers table = as_numbers(counts);
     const std::size_t m = table.size();
-    Margins wanted(m);
-    wanted.sum([&table](std::size_t i, std::size_t j) { return table[i][j]; });
-    Margins now(m);
-    Factors f(m);
-    SimilarityFit fit;
-    for (int round = 0; round < kMaxRounds; ++round) {
-        fit.residual = match(f, table, wanted, now);
-        if (fit.residual < kResidual) {
-            break;
-        }
-    }
-    fit.similarity.assign(m, std::vector<double>(m, 1.0));
+    ChoiceModel model(table, m, m);
+    SimilarityFit fit{.log_likelihood = model.best(),
+                      .df = static_cast<std::int64_t>((m - 1) * (m - 2) / 2),
+                      .residual = model.largest_slope()};
     double total = 0.0;
     for (std::size_t j = 0; j < m; ++j) {
-        fit.bias.push_back(f.column[j] * std::sqrt(f.pair[j][j]));
-        total += fit.bias.back();
+        total += fit.bias.emplace_back(model.bias(j));
     }
     double saturated = 0.0;
     for (std::size_t i = 0; i < m; ++i) {
         fit.bias[i] /= total;
+        const double answers = std::accumulate(table[i].begin(), table[i].end(), 0.0);
+        auto& row = fit.similarity.emplace_back();
         for (std::size_t j = 0; j < m; ++j) {
-            fit.similarity[i][j] = f.pair[i][j] / std::sqrt(f.pair[i][i] * f.pair[j][j]);
-            if (table[i][j] > 0.0) {
-                fit.log_likelihood += table[i][j] * std::log(f.at(i, j) / wanted.rows[i]);
-                saturated += table[i][j] * std::log(table[i][j] / wanted.rows[i]);
-            }
+            row.push_back(model.similarity(i, j));
+            saturated += table[i][j] > 0.0 ? table[i][j] * std::log(table[i][j] / answers) : 0.0;
         }
     }
     fit.deviance = std::max(2.0 * (saturated - fit.log_likelihood), 0.0);
-    fit.df = static_cast<std::int64_t>((m - 1) * (m - 2) / 2);
     add_intervals(fit, table);
+    fit.groups = groups_of(fit.similarity);
     return fit;
 }
 

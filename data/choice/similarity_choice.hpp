@@ -18,8 +18,7 @@ struct SimilarityFit {
     double log_likelihood = 0.0;
     double deviance = 0.0;  ///< against free shares of each row
     std::int64_t df = 0;    ///< (m - 1)(m - 2) / 2
-    /// Largest difference of a margin, answers, from the one of the likelihood equations: what is
-    /// left to gain.
+    /// Largest difference, answers, from the likelihood equations: what is left to gain.
     double residual = 0.0;
     /// 95 % of each similarity by profile likelihood: 0 below where none is too small (a pair that
     /// was never confused), infinite above where none is too large.
@@ -27,6 +26,8 @@ struct SimilarityFit {
     /// Pairs whose similarity is 0 though they were confused, one way alone: the maximum is a
     /// limit, in which the biases on either side have no ratio.
     std::vector<std::pair<std::size_t, std::size_t>> one_way{};
+    /// Items that confusions link, each in one group: biases have a ratio within a group alone.
+    std::vector<std::vector<std::size_t>> groups{};
 };
 
 /// The similarity choice model (R. D. Luce, Handbook of Mathematical Psychology 1:103, 1963; J. E.
@@ -34,9 +35,8 @@ struct SimilarityFit {
 ///
 ///     P(j | i) = bias_j similarity_ij / sum over k of bias_k similarity_ik
 ///
-/// It is the model of quasi-symmetry of the table: rows, columns and n_ij + n_ji are matched in
-/// turn (J. N. Darroch, D. Ratcliff, Ann. Math. Stat. 43:1470, 1972) until none is off by more than
-/// 1e-10 answers. The likelihood is concave in the logarithms, so that this is its one maximum.
+/// It is the model of quasi-symmetry of the table. The likelihood is concave in the logarithms:
+/// Newton's steps end on its one maximum.
 /// @param counts  items and responses are the same list
 /// @throws std::invalid_argument: not square, or an item that was never called by its name
 [[nodiscard]] SimilarityFit fit_similarity(const CallCounts& counts);

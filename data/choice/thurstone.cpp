@@ -91,7 +91,9 @@ struct Profile {
             const double right = sign * std::min(sign * (start + sign * way), sign * end);
             const double loss = loss_at(right);
             if (loss >= kLoss95) {
-                const double at = between_edges(left, loss_left, right, loss);
+                const double at = crossing([&](double place) { return std::sqrt(loss_at(place)); },
+                                           std::sqrt(kLoss95), {left, std::sqrt(loss_left)},
+                                           {right, std::sqrt(loss)}, 1e-6);
                 const double lower = loss_over_hills();
                 ends.push_back(near);
                 if (lower >= kLoss95 - kNoLoss || ++hills > 2) {
@@ -156,25 +158,6 @@ struct Profile {
     double loss_of(const Maximum& found) {
         take_higher(seen, found);
         return std::max(top.value - found.value, 0.0);
-    }
-
-    /// The root of the loss is nearly a straight line: false position on it, halving at times.
-    double between_edges(double left, double loss_left, double right, double loss_right) {
-        const double wanted = std::sqrt(kLoss95);
-        double low = std::sqrt(loss_left);
-        double high = std::sqrt(loss_right);
-        for (int i = 0; i < 40; ++i) {
-            const double t =
-                i % 4 == 3 ? 0.5 : std::clamp((wanted - low) / (high - low), 0.02, 0.98);
-            const double middle = left + t * (right - left);
-            const double here = std::sqrt(loss_at(middle));
-            if (std::fabs(here - wanted) < 1e-6) {
-                return middle;
-            }
-            (here < wanted ? left : right) = middle;
-            (here < wanted ? low : high) = here;
-        }
-        return 0.5 * (left + right);
     }
 };
 

@@ -55,26 +55,23 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
         file.end_row();
     };
     row({"table", "column", "type", "unit", "meaning", "levels"});
-    for (const ExportTable& table : export_tables()) {
-        if (table.detail && !options.details) {
-            continue;
+    const auto tell = [&row](std::string_view name, std::string_view meaning,
+                             std::span<const ExportColumn> columns) {
+        row({name, "", "", "", meaning, ""});
+        for (const ExportColumn& one : columns) {
+            row({name, one.name, one.type, one.unit, one.meaning, one.levels});
         }
-        row({table.name, "", "", "", table.meaning, ""});
-        for (const ExportColumn& column : visible_columns(table, options.details)) {
-            row({table.name, column.name, column.type, column.unit, column.meaning, column.levels});
+    };
+    for (const ExportTable& table : export_tables()) {
+        if (!table.detail || options.details) {
+            tell(table.name, table.meaning, visible_columns(table, options.details));
         }
     }
     if (options.traces) {
-        row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
-        for (const ExportColumn& column : tick_columns()) {
-            row({"ticks", column.name, column.type, column.unit, column.meaning, column.levels});
-        }
+        tell("ticks", "one row a servo tick, in the object's frame", tick_columns());
     }
     if (options.keep_codes) {
-        row({"codes", "", "", "", "which of the lab's codes each subject is", ""});
-        for (const ExportColumn& column : code_columns()) {
-            row({"codes", column.name, column.type, column.unit, column.meaning, column.levels});
-        }
+        tell("codes", "which of the lab's codes each subject is", code_columns());
     }
     file.close();
 }

@@ -5,6 +5,8 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "data/analysis/people_text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
 #include "data/store/analysed.hpp"
@@ -26,7 +28,21 @@ Statement counts(Database& database) {
     return row;
 }
 
-constexpr std::string_view kPsignifitText =
+/// What x is, a line a study.
+std::string x_text(Database& database) {
+    std::string text;
+    for (const Statement& row : database.prepare(fmt::format(
+             "SELECT DISTINCT chosen.label, protocol_toml FROM chosen JOIN session USING "
+             "(session_id) JOIN study USING (study_id) WHERE session_id IN (SELECT session_id FROM "
+             "({})) ORDER BY 1",
+             kGradedAnswers))) {
+        text += fmt::format("\nx of {}: {}.", row.text(0),
+                            stimulus_text(protocols::stored_protocol(row.text(1))));
+    }
+    return text + '\n';
+}
+
+constexpr const char* kPsignifitText =
     "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
     "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
     "import numpy, psignifit\n"
@@ -58,7 +74,8 @@ void export_quickpsy(const Exporting& to) {
                 "    study = 'character', kind = 'character', condition = 'character'))\n"
                 "quickpsy::quickpsy(d, x, k, n, grouping = c('participant', 'study', 'kind', "
                 "'condition'))\n\n"
-                "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n");
+                "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n" +
+                    x_text(database));
 }
 
 void export_psignifit(const Exporting& to) {
@@ -88,7 +105,7 @@ void export_psignifit(const Exporting& to) {
     }
     keep();
     index.close();
-    write_whole(folder / "README.txt", kPsignifitText);
+    write_whole(folder / "README.txt", kPsignifitText + x_text(database));
 }
 
 void export_psychopy(const Exporting& to) {

@@ -36,7 +36,9 @@ for (study in unique(main$study_label)) {
         judged <- subset(main, study_label == study & is.na(comparison_interval) & is.na(chosen_object))
         if (nrow(judged) > 0) {  # yes is 1, no 0; a rating's first level is 0
             cat('mean answer_code (of ratings: level - 1)\n')
-            print(round(with(droplevels(judged), tapply(answer_code, list(subject, paste(planned_object, friction)), mean)), 3))
+            judged <- droplevels(judged)
+            what <- with(judged, interaction(planned_object, friction, drop = TRUE, sep = ' ', lex.order = TRUE))
+            print(round(with(judged, tapply(answer_code, list(subject, what), mean)), 3))
         }
         next
     }

@@ -7,6 +7,7 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
@@ -146,39 +147,23 @@ public:
             return std::nullopt;
         }
         restart();
-        double near = held_.at;
-        double root_near = 0.0;
-        double far = held_.at;
-        double root_far = 0.0;
-        for (int i = 0; i < 60 && root_far < kReach; ++i) {
-            if (far == end) {
+        Reading near{held_.at, 0.0};
+        Reading far = near;
+        for (int i = 0; i < 60 && far.value < kReach; ++i) {
+            if (far.at == end) {
                 return std::nullopt;
             }
             near = far;
-            root_near = root_far;
-            far = i == 0
-                    ? far + step
-                    : held_.at + (far - held_.at) * std::clamp(1.1 * kReach / root_far, 1.3, 3.0);
-            far = step > 0.0 ? std::min(far, end) : std::max(far, end);
-            root_far = root(far);
+            far.at = i == 0 ? far.at + step
+                            : held_.at + (far.at - held_.at) *
+                                             std::clamp(1.1 * kReach / far.value, 1.3, 3.0);
+            far.at = step > 0.0 ? std::min(far.at, end) : std::max(far.at, end);
+            far.value = root(far.at);
         }
-        if (root_far < kReach) {
+        if (far.value < kReach) {
             return std::nullopt;
         }
-        for (int i = 0; i < 60; ++i) {
-            // Halving at times, where the line is bent.
-            const double t =
-                i % 4 == 3 ? 0.5
-                           : std::clamp((kReach - root_near) / (root_far - root_near), 0.02, 0.98);
-            const double middle = near + t * (far - near);
-            const double here = root(middle);
-            if (std::fabs(here - kReach) < 1e-7 || middle == near || middle == far) {
-                return middle;
-            }
-            (here < kReach ? near : far) = middle;
-            (here < kReach ? root_near : root_far) = here;
-        }
-        return 0.5 * (near + far);
+        return crossing([this](double place) { return root(place); }, kReach, near, far, 1e-7);
     }
 
 private:

@@ -88,6 +88,7 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
 
 Figure fit_figure(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
+    const std::string& stimulus = report.options.stimulus;
     Figure figure{.id = "fit",
                   .title = fmt::format("Psychometric functions ({})", word_of(spec.family))};
     std::vector<std::string> people;
@@ -98,7 +99,7 @@ Figure fit_figure(const FitReport& report) {
             people.push_back(person);
             found = people.end() - 1;
             figure.panels.push_back({.title = person,
-                                     .x = {.label = "stimulus"},
+                                     .x = {.label = stimulus.empty() ? "stimulus" : stimulus},
                                      .y = {.label = "share of 1", .low = -0.05, .high = 1.05}});
         }
         const auto condition = std::ranges::find(report.conditions, curve.answers.condition) -

@@ -16,6 +16,7 @@ namespace {
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::string_view kNotDetermined = "not determined:";
+constexpr const char* kOfLogarithm = "none of a logarithmic stimulus";
 
 bool of_steepness(Quantity quantity) {
     return quantity == Quantity::jnd || quantity == Quantity::weber || quantity == Quantity::slope;
@@ -39,7 +40,7 @@ std::string undefined_why(const FittedCurve& curve, Quantity quantity) {
     }
     if (spec.family == protocols::Family::weibull_log10 ||
         spec.family == protocols::Family::weibull_db) {
-        return "none of a logarithmic stimulus";
+        return kOfLogarithm;
     }
     const std::string unbounded = unbounded_why(curve.fit, Quantity::threshold);
     return unbounded.empty() ? "none: the threshold is not above 0" : unbounded;
@@ -59,9 +60,13 @@ FitEstimate estimate_of(const FittedCurve& curve,
     const CurveSpec& spec = options.spec;
     const double share = options.at.value_or(0.5);
     FitEstimate estimate{.quantity = quantity, .value = kNoValue};
-    if (quantity == Quantity::weber && !ratios(curve.answers)) {
-        estimate.why = "none: a stimulus is below 0";
-        return estimate;
+    if (quantity == Quantity::weber) {
+        estimate.why = options.stimulus.starts_with("log10") ? kOfLogarithm
+                     : ratios(curve.answers)                 ? ""
+                                                             : "none: a stimulus is below 0";
+        if (!estimate.why.empty()) {
+            return estimate;
+        }
     }
     estimate.value = quantity_of(spec, curve.fit.at, quantity, share);
     const bool rate = quantity == Quantity::guess || quantity == Quantity::lapse;

@@ -45,6 +45,7 @@ struct FitOptions {
     /// In their order, the first what others are compared with; those that are not named follow by
     /// name.
     std::vector<std::string> conditions{};
+    std::string stimulus{};  ///< what it is, as stimulus_text() says; empty: a CSV's
 };
 
 /// One quantity of a curve.

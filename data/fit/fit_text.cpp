@@ -50,14 +50,16 @@ std::string priors_text(const CurveSpec& spec) {
 
 std::string head_text(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
+    const std::string& stimulus = report.options.stimulus;
     std::string text = fmt::format(
-        "{}: {} fitted\n"
+        "{}: {} fitted\n{}"
         "  {}: P(x) = guess + (1 - guess - lapse) F, {}\n"
         "  guess {}, lapse {}; {}\n"
         "  threshold: x of F = 1/2 (of a comparison: the point of equality, PSE); JND: half the "
         "distance from F = 1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
         "  95 % intervals (inf: no end that the answers bound): profile likelihood",
-        report.source, counted(report.curves.size(), "curve"), word_of(spec.family),
+        report.source, counted(report.curves.size(), "curve"),
+        stimulus.empty() ? "" : fmt::format("  stimulus: {}\n", stimulus), word_of(spec.family),
         core_of(spec.family), guess_text(spec), lapse_text(spec),
         spec.map() ? "MAP with priors " + priors_text(spec) : "maximum likelihood, no priors");
     if (report.options.bootstrap > 0) {
@@ -232,8 +234,10 @@ std::string fit_text(const FitReport& report) {
 
 std::string fit_json(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
+    const std::string& stimulus = report.options.stimulus;
     Json all = {
         {"source", report.source},
+        {"stimulus", stimulus.empty() ? Json(nullptr) : Json(stimulus)},
         {"function", word_of(spec.family)},
         {"guess", guess_text(spec)},
         {"lapse", lapse_text(spec)},

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/session/progress.hpp"
+#include "data/analysis/people_text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/analysed.hpp"
@@ -86,6 +88,22 @@ std::vector<std::string> conditions_of(Database& database, const AnswerChoice& c
         choice.study, choice.kind));
 }
 
+/// @throws std::invalid_argument if versions of a protocol differ in it
+std::string stimulus_of(Database& database, const AnswerChoice& choice) {
+    std::set<std::string> all;
+    for (const std::string& toml :
+         texts(database.prepare("SELECT DISTINCT protocol_toml FROM study JOIN session USING "
+                                "(study_id) WHERE study_name = ?1 AND session_kind = ?2",
+                                choice.study, choice.kind))) {
+        all.insert(stimulus_text(protocols::stored_protocol(toml)));
+    }
+    refuse_if(all.size() > 1,
+              "the versions of {} have different stimuli, {}: no curve goes through both; take "
+              "them apart, --versions apart",
+              choice.study, fmt::join(all, " and "));
+    return *all.begin();
+}
+
 constexpr double kMaxAnswers = 1e6;
 
 }  // namespace
@@ -131,6 +149,7 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     StoredAnswers stored{
         .study = choice.study,
         .conditions = conditions_of(database, choice),
+        .stimulus = stimulus_of(database, choice),
         .versions = versions_of(database),
         .left_out = left_out_of(database, choice.study, choice.kind, choice.codes)};
     const LeftOut by_code = left_out_of(database, choice.study, choice.kind, true);

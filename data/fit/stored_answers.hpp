@@ -18,6 +18,7 @@ struct StoredAnswers {
     std::vector<Answers> all{};
     /// Runs in the order of the protocol, frictions from the least: as in all tables.
     std::vector<std::string> conditions{};
+    std::string stimulus{};                ///< what it is: "curvature in 1/m"
     std::vector<StudyVersion> versions{};  ///< where the file has several of a protocol
     LeftOut left_out{};
 };
@@ -27,7 +28,8 @@ struct StoredAnswers {
 /// intervals: the comparison); with yes-no on planned objects: their curvature in 1/m, by friction,
 /// and how often yes. Sessions of a participant add up; what the rules believe stands beside them,
 /// session by session. Without whom the protocol's rules leave out.
-/// @throws std::invalid_argument if there are none, or of several studies: which there are
+/// @throws std::invalid_argument if there are none, or of several studies: which there are; if
+/// versions that are taken together do not have stimuli of one kind
 [[nodiscard]] StoredAnswers stored_answers(Database& database, const AnswerChoice& choice);
 
 }  // namespace palpate::data

@@ -156,7 +156,7 @@ LeastPeople PowerStudies::least(double wanted, std::size_t max) {
         return wilson(std::llround(found(participants)), n);
     };
     const auto search = [&](const auto& enough) -> std::optional<std::size_t> {
-        std::size_t low = 2;  // its power is not enough, as far as that is known
+        std::size_t low = 2;  // its power is not enough, as far as that is known yet
         std::size_t high = std::min<std::size_t>(6, max);
         while (!enough(high)) {
             if (high == max) {
@@ -169,7 +169,7 @@ LeastPeople PowerStudies::least(double wanted, std::size_t max) {
             const std::size_t middle = (low + high) / 2;
             (enough(middle) ? high : low) = middle;
         }
-        return high;
+        return high == 3 && enough(2) ? 2 : high;
     };
     LeastPeople least_people{.power = wanted};
     least_people.people = search([&](std::size_t people) { return share(people) >= wanted; });

@@ -111,10 +111,11 @@ struct PowerReport {
     std::string against{};   ///< ... and what it is compared with
     PowerSpec spec{};
     std::size_t null_studies = 0;
-    std::size_t hands = 0;    ///< simulated once, of all conditions
-    std::size_t trials = 0;   ///< of a person under each friction
-    std::size_t planned = 0;  ///< participants, by the protocol
-    std::string effect{};     ///< "-0.5 logit (sd 0.3 over people)"
+    std::size_t hands = 0;        ///< simulated people whose hands felt
+    std::size_t felt_trials = 0;  ///< that they felt, once, of all conditions
+    std::size_t trials = 0;       ///< of a person under each friction
+    std::size_t planned = 0;      ///< participants, by the protocol
+    std::string effect{};         ///< "-0.5 logit (sd 0.3 over people)"
     bool none = false;  ///< the effect is 0: what is found is type I error, and is not exaggerated
     double share_without = 0.0;        ///< mean chance of a right answer
     double true_difference = 0.0;      ///< of shares

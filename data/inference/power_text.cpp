@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/inference/power.hpp"
 #include "data/statistics/distributions.hpp"
@@ -145,10 +146,12 @@ std::string power_text(const PowerReport& report) {
         "  Primary test: {}; two-sided, alpha = {:g}.\n"
         "  Effect: {}: the share of right answers goes from {:.3f} by {:+.3f}. Without it people "
         "differ by {:.2f} logit.\n"
-        "  {} studies each, {} without an effect, judged from {} hands that felt once.\n",
+        "  {} studies each, {} without an effect, judged from {} trials that the hands of {} "
+        "felt.\n",
         report.study, report.friction, report.against, report.trials, title_of(report.spec.test),
         report.spec.alpha, report.effect, report.share_without, report.true_difference,
-        report.people_sd, report.spec.studies, report.null_studies, report.hands);
+        report.people_sd, report.spec.studies, report.null_studies, report.felt_trials,
+        counted(report.hands, "person", "people"));
     text += table_text(points_table(report));
     return text + least_text(report) + '\n' + sentence(report);
 }
@@ -167,6 +170,7 @@ std::string power_json(const PowerReport& report) {
                 {"studies", report.spec.studies},
                 {"null_studies", report.null_studies},
                 {"hands", report.hands},
+                {"felt_trials", report.felt_trials},
                 {"points", Json::array()},
                 {"least_people", Json::array()}};
     put_table(all, points_table(report));

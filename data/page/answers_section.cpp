@@ -13,7 +13,15 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::string matrix_html(const Rows& rows,
+/// Of pictures the one that was felt, of yes and no what the signals say.
+bool is_right(const StatsReport& stats, const std::string& felt, const std::string& called) {
+    const auto& signals = stats.options.signals;
+    const bool signal = std::ranges::find(signals, felt) != signals.end();
+    return stats.right_known && (stats.yes_no ? (called == "yes") == signal : called == felt);
+}
+
+std::string matrix_html(const StatsReport& stats,
+                        const Rows& rows,
                         const std::string& friction,
                         const std::vector<std::string>& felt,
                         const std::vector<std::string>& called) {
@@ -33,8 +41,8 @@ std::string matrix_html(const Rows& rows,
             const Rows cell = row.where("called", as);
             const double share = cell.sum("row_share");
             out += fmt::format("<td{} style=\"--a:{:.2f}\">{:.0f} %<small>{:.0f}</small></td>",
-                               as == of ? " class=\"right\"" : "", share, 100.0 * share,
-                               cell.sum("n"));
+                               is_right(stats, of, as) ? " class=\"right\"" : "", share,
+                               100.0 * share, cell.sum("n"));
         }
         out += "</tr>\n";
     }
@@ -52,13 +60,13 @@ void add_confusion(PageWriter& page, const Study& study, const StatsReport& stat
     });
     figure.html = "<div class=\"matrices\">\n";
     for (const std::string& friction : stats.table.frictions) {
-        figure.html += matrix_html(figure.data, friction, felt, called);
+        figure.html += matrix_html(stats, figure.data, friction, felt, called);
     }
     figure.html += "</div>\n";
-    figure.caption =
+    figure.caption = fmt::format(
         "Shares of each row, exclusions applied, all people together: they describe, and no test "
-        "rests on them. A frame marks the right answer; the table has the counts without "
-        "exclusions too.";
+        "rests on them. {} the table has the counts without exclusions too.",
+        stats.right_known ? "A frame marks the right answer;" : "No answer is right or wrong;");
     page.figure(figure);
 }
 

@@ -32,7 +32,7 @@ SELECT felt_object AS felt, friction, count(DISTINCT sample.trial_id) AS trials,
        avg(go_x_m) AS x_m, avg(go_y_m) AS y_m, count(*) AS ticks
 FROM shown CROSS JOIN sample ON sample.trial_id = shown.trial_id AND sample.interval = shown.interval
 WHERE place <= {} AND mode <> 'free'
-GROUP BY CAST(go_x_m * 400 AS INTEGER), CAST(go_y_m * 400 AS INTEGER), segment, friction, felt_object
+GROUP BY CAST(go_x_m * 400 + 1000 AS INTEGER), CAST(go_y_m * 400 + 1000 AS INTEGER), segment, friction, felt_object
 ORDER BY felt_object, friction, segment, x_m, y_m)",
         page_query("felt"), kPeopleOfMaps);
 }
@@ -136,14 +136,6 @@ void add_maps(PageWriter& page, const Study& study, const std::vector<std::strin
     page.figure(figure);
 }
 
-/// Where in contact: before the vertex, on it, after it.
-std::string bar_of(double before, double vertex, double after) {
-    const double all = before + vertex + after;
-    return all > 0.0 ? fmt::format("<span class=\"bar\" style=\"--a:{:.0f}%;--b:{:.0f}%\"></span>",
-                                   100.0 * before / all, 100.0 * (before + vertex) / all)
-                     : std::string("\u2013");
-}
-
 void add_each_trial(PageWriter& page, const Study& study) {
     const Rows rows = study.ask(of_felt("each_trial"));
     std::string html =
@@ -174,6 +166,7 @@ void add_each_trial(PageWriter& page, const Study& study) {
             html += "</tr></thead>\n<tbody>\n";
             before = person;
         }
+        const std::string bar = html_bar(rows, row);
         html += fmt::format(
             "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
             "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} {} {}</td><td>{} {} "
@@ -181,9 +174,8 @@ void add_each_trial(PageWriter& page, const Study& study) {
             rows.text(row, "trial_id") +
                 (rows.text(row, "interval") == "2" ? ", interval 2" : std::string()),
             html_text(rows.text(row, "felt")), html_text(rows.text(row, "friction")),
-            bar_of(rows.number(row, "before_vertex_s"), rows.number(row, "vertex_s"),
-                   rows.number(row, "after_vertex_s")),
-            number(row, "contact_s", 1.0, 2), number(row, "strokes_before_vertex", 1.0, 0),
+            bar.empty() ? "\u2013" : bar, number(row, "contact_s", 1.0, 2),
+            number(row, "strokes_before_vertex", 1.0, 0),
             number(row, "strokes_after_vertex", 1.0, 0), number(row, "reversals", 1.0, 0),
             number(row, "stick_events", 1.0, 0), number(row, "vertex_s", 1.0, 2),
             number(row, "covered_share", 100.0, 0), number(row, "speed_p10_m_per_s", 1e3, 0),

@@ -148,15 +148,17 @@ std::string html_text(std::string_view text) {
 }
 
 std::string short_number(const std::string& field) {
-    if (!parsed<double>(field).has_value() || field.find_first_of(".e") == std::string::npos) {
+    const std::optional<double> number = parsed<double>(field);
+    if (!number) {
         return field;
     }
-    const double value = std::stod(field);
+    const double value = *number;
     const double size = std::fabs(value);
-    std::string text = value != 0.0 && size < 1e-3 ? fmt::format("{:.2g}", value)
-                     : size < 10.0                 ? fmt::format("{:.3f}", value)
-                     : size < 1000.0               ? fmt::format("{:.1f}", value)
-                                                   : fmt::format("{:.0f}", value);
+    std::string text = field.find_first_of(".e") == std::string::npos ? field
+                     : value != 0.0 && size < 1e-3                    ? fmt::format("{:.2g}", value)
+                     : size < 10.0                                    ? fmt::format("{:.3f}", value)
+                     : size < 1000.0                                  ? fmt::format("{:.1f}", value)
+                                     : fmt::format("{:.0f}", value);
     if (text.front() == '-') {
         text.replace(0, 1, "\u2212");
     }
@@ -164,12 +166,21 @@ std::string short_number(const std::string& field) {
 }
 
 std::string interval_text(const Interval& interval) {
-    return fmt::format("{:.3f} to {:.3f}", interval.low, interval.high);
+    return replaced(fmt::format("{:.3f} to {:.3f}", interval.low, interval.high), "-", "\u2212");
 }
 
 std::string html_fact(const std::string& what, const std::string& value, const std::string& small) {
     return fmt::format("<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n", html_text(what),
                        html_text(value), html_text(small));
+}
+
+std::string html_bar(const Rows& rows, std::size_t row) {
+    const double before = rows.number(row, "before_vertex_s");
+    const double vertex = rows.number(row, "vertex_s");
+    const double all = before + vertex + rows.number(row, "after_vertex_s");
+    return all > 0.0 ? fmt::format("<span class=\"bar\" style=\"--a:{:.1f}%;--b:{:.1f}%\"></span>",
+                                   100.0 * before / all, 100.0 * (before + vertex) / all)
+                     : std::string();
 }
 
 std::string html_table(const std::vector<std::string>& names,
@@ -257,6 +268,9 @@ std::string PageWriter::csv_link(std::string_view id, std::string_view csv) cons
 }
 
 void PageWriter::add_results(const Results& results, const std::string& id) {
+    if (results.table.rows.empty()) {
+        return;  // one friction: nothing is compared
+    }
     const Fields fields = fields_of(results.table);
     const std::string captions =
         html_table(fields.names, fields.rows, results.caption) +

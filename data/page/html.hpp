@@ -39,7 +39,8 @@ struct PageFigure {
 
 /// Text of any kind between tags.
 [[nodiscard]] std::string html_text(std::string_view text);
-/// "P05, sub-1" stays; "0.41999999" becomes "0.4200"; whole numbers stay.
+/// "P05, sub-1" stays; "0.41999999" becomes "0.4200"; of whole numbers
+/// all digits stay.
 [[nodiscard]] std::string short_number(const std::string& field);
 /// "0.012 to 0.340", three digits after the point.
 [[nodiscard]] std::string interval_text(const Interval& interval);
@@ -48,6 +49,10 @@ struct PageFigure {
 [[nodiscard]] std::string html_fact(const std::string& what,
                                     const std::string& value,
                                     const std::string& small);
+
+/// Where in contact: before the vertex, on it, after it, of a row of the view exploration. Empty:
+/// nowhere.
+[[nodiscard]] std::string html_bar(const Rows& rows, std::size_t row);
 
 /// A table with a caption; columns of numbers to the right.
 [[nodiscard]] std::string html_table(const std::vector<std::string>& names,

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/file/keys.hpp"
+#include "data/analysis/people_text.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/analysed.hpp"
@@ -31,20 +31,6 @@ Results fit_results(const PageNumbers& numbers) {
     return results;
 }
 
-/// What a rule chooses, or "stimulus" where none does.
-Axis stimulus_axis(const protocols::Protocol& protocol) {
-    using protocols::Varies;
-    if (!protocol.procedure) {
-        return {.label = "stimulus"};
-    }
-    const Varies varies = protocol.procedure->varies;
-    const bool log = protocol.procedure->stimulus_as == protocols::StimulusAs::log10;
-    return {.label = fmt::format("{}{}", log ? "log10 of " : "", protocols::word_of(varies)),
-            .unit = varies == Varies::curvature  ? "1/m"
-                  : varies == Varies::compliance ? "mm/N"
-                                                 : ""};
-}
-
 void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     const FitReport& fit = *numbers.fit;
     PageFigure figure{.id = "curves", .title = "Psychometric functions"};
@@ -56,8 +42,6 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
     figure.panels = fit_figure(fit).panels;
     for (Panel& panel : figure.panels) {
         panel.title = "person " + panel.title;
-        panel.x.label = stimulus_axis(study.protocol).label;
-        panel.x.unit = stimulus_axis(study.protocol).unit;
         panel.y.label = study.protocol.response.kind == protocols::ResponseKind::two_interval
                           ? "share, comparison named"
                           : "share of yes";
@@ -110,7 +94,7 @@ void add_tracks(PageWriter& page, const Study& study, const std::vector<std::str
         Panel& panel = figure.panels.emplace_back();
         panel = {.title = "person " + person,
                  .x = {.label = "answer of the run"},
-                 .y = stimulus_axis(study.protocol),
+                 .y = {.label = stimulus_text(study.protocol)},
                  .height = 170.0};
         for (std::size_t run = 0; run < runs.size(); ++run) {
             Series track{.name = runs[run], .ink = ink_of(run), .mark = Mark::both, .width = 1.0};

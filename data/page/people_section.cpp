@@ -125,10 +125,7 @@ std::string primary_facts(const StatsReport& stats) {
                                                                  : "not the primary comparison"),
             estimate != nullptr ? replaced(fmt::format("{:+.3f}", *estimate), "-", "\u2212")
                                 : none->why,
-            fmt::format("{}{}{}",
-                        ends != nullptr
-                            ? "95 % " + replaced(interval_text(*ends), "-", "\u2212") + "; "
-                            : "",
+            fmt::format("{}{}{}", ends != nullptr ? "95 % " + interval_text(*ends) + "; " : "",
                         p == nullptr ? no_p->why.empty() ? "" : no_p->why + "; "
                         : *p < 0.001 ? "p < 0.001; "
                                      : fmt::format("p = {:.3f}; ", *p),
@@ -163,7 +160,9 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
     if (numbers.fit) {
         for (const OverPeople& one : numbers.fit->people) {
             out += html_fact(
-                one.what, one.mean.people > 0 ? fmt::format("{:.4g}", one.mean.mean) : "none",
+                one.what,
+                one.mean.people > 0 ? replaced(fmt::format("{:.4g}", one.mean.mean), "-", "\u2212")
+                                    : "none",
                 fmt::format("mean of {}{}{}", counted(one.mean.people, "person", "people"),
                             one.mean.interval ? "; 95 % " + interval_text(*one.mean.interval)
                                               : std::string(),
@@ -227,6 +226,13 @@ std::vector<std::string> frictions_of(const Study& study) {
     for (const auto& one : all) {
         names.push_back(one.name);
     }
+    // Of versions that are taken together an older one may have others.
+    for (const std::string& name :
+         study.ask("SELECT DISTINCT friction FROM main").levels("friction")) {
+        if (std::ranges::find(names, name) == names.end()) {
+            names.push_back(name);
+        }
+    }
     return names;
 }
 
@@ -255,13 +261,11 @@ PairedPanel pairs_of(const Rows& rows,
                      Scale scale,
                      std::string_view felt,
                      double factor) {
-    std::map<std::string, std::vector<double>> people;
-    std::map<std::string, std::vector<double>> left_out;
+    std::map<std::pair<bool, std::string>, std::vector<double>> people;  // left out or not
     for (std::size_t row = 0; row < rows.cells.size(); ++row) {
         const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
         if (found != frictions.end() && (felt.empty() || rows.text(row, "felt") == felt)) {
-            auto& mine =
-                (rows.number(row, "left_out") == 0.0 ? people : left_out)[rows.text(row, "person")];
+            auto& mine = people[{rows.number(row, "left_out") != 0.0, rows.text(row, "person")}];
             mine.resize(frictions.size(), std::nan(""));
             mine[static_cast<std::size_t>(found - frictions.begin())] =
                 factor * rows.number(row, column);
@@ -269,10 +273,7 @@ PairedPanel pairs_of(const Rows& rows,
     }
     PairedPanel all{.frictions = frictions};
     for (const auto& [person, mine] : people) {
-        all.people.push_back(mine);
-    }
-    for (const auto& [person, mine] : left_out) {
-        all.left_out.push_back(mine);
+        (person.first ? all.left_out : all.people).push_back(mine);
     }
     for (std::size_t f = 0; f < frictions.size(); ++f) {
         std::vector<double> values;

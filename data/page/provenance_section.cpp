@@ -3,6 +3,7 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/procedure/procedure.hpp"
+#include "data/analysis/people_text.hpp"
 #include "data/inference/stats_tables.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/stored_progress.hpp"
@@ -35,10 +36,14 @@ std::string objects_text(const protocols::Protocol& protocol) {
     for (const auto& one : protocol.objects) {
         unpictured += one.pictured ? 0U : 1U;
         if (one.pictured) {
+            const std::string yields =
+                one.compliance > 0.0
+                    ? fmt::format(", which yields by {:g} mm/N", 1e3 * one.compliance)
+                    : "";
             names.push_back(protocol.surface ? fmt::format("{} ({:g} and {:g} 1/m)", one.name,
                                                            one.curvature, one.cross_curvature)
                             : one.segments.empty()
-                                ? fmt::format("{} ({:g} 1/m)", one.name, one.curvature)
+                                ? fmt::format("{} ({:g} 1/m{})", one.name, one.curvature, yields)
                                 : one.name + " (a free form)");
         }
     }
@@ -68,12 +73,12 @@ std::string task_text(const protocols::Protocol& protocol) {
 
 std::string design_text(const protocols::Protocol& protocol) {
     if (protocol.procedure) {
-        return fmt::format("{}, {}{}.",
+        return fmt::format("{} ({}), {}{}.",
                            constant_stimuli(protocol)
                                ? "Every level was felt equally often, in an order drawn for each "
                                  "run, whatever was answered"
                                : "A rule chose what was felt by the answers so far",
-                           counted(protocol.procedure->trials, "trial"),
+                           stimulus_text(protocol), counted(protocol.procedure->trials, "trial"),
                            protocol.runs.size() > 1 ? fmt::format(" of each of {} interleaved runs",
                                                                   protocol.runs.size())
                                                     : "");
@@ -225,9 +230,11 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     page.paragraph(
         fmt::format("Attempts in which the force went off, or which fell short of the protocol's "
                     "rules for a trial, were run again later in the session. People were left out "
-                    "by rules in the protocol, written before anybody ran; each result is given "
-                    "with and without these exclusions. {} had a session.",
-                    counted(study.people, "person", "people")));
+                    "by rules in the protocol, written before anybody ran; {}. {} had a session.",
+                    numbers.stats ? "each test of friction is given with and without these "
+                                    "exclusions"
+                                  : "results are of the others",
+                    counted(study.left_out.in_file.people, "person", "people")));
     if (numbers.stats) {
         add_tests(page, study, *numbers.stats);
     }

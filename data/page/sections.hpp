@@ -44,7 +44,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
 /// The command that prints what the page says of ratings.
 [[nodiscard]] std::string summary_words(const Study& study);
 
-/// The protocol's frictions, the least first.
+/// The protocol's frictions, the least first, and behind them others that were planned.
 [[nodiscard]] std::vector<std::string> frictions_of(const Study& study);
 
 /// A number a person and friction, people as paired lines, the means with their intervals beside

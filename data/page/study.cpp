@@ -14,6 +14,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "data/csv/csv_text.hpp"
 #include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
@@ -67,27 +68,15 @@ std::string printed(Database& database, const std::string& sql) {
     return out.said();
 }
 
-std::vector<std::vector<std::string>> fields_of(std::string_view csv) {
+std::vector<std::vector<std::string>> rows_of(std::string_view csv) {
     std::vector<std::vector<std::string>> rows;
-    std::vector<std::string> row(1);
-    bool inside = false;
-    for (std::size_t i = 0; i < csv.size(); ++i) {
-        const char c = csv[i];
-        if (c == '"') {
-            const bool doubled = inside && i + 1 < csv.size() && csv[i + 1] == '"';
-            inside = doubled == inside;
-            if (doubled) {
-                row.back() += c;
-                ++i;
-            }
-        } else if (inside || (c != ',' && c != '\n')) {
-            row.back() += c;
-        } else if (c == ',') {
-            row.emplace_back();
-        } else {
-            rows.push_back(std::move(row));
-            row.assign(1, "");
+    while (!csv.empty()) {
+        const std::size_t end = std::min(RowEnd().in(csv), csv.size());
+        auto& row = rows.emplace_back();
+        for (const Field& field : fields_of(csv.substr(0, end))) {
+            row.push_back(plain_text(field.text));
         }
+        csv.remove_prefix(std::min(end + 1, csv.size()));
     }
     return rows;
 }
@@ -263,7 +252,7 @@ Rows Study::ask(std::string_view sql) const {
         rows.sql = before + (with ? ",\n" + text.substr(5) : "\n" + text);
     }
     rows.csv = printed(*database_, rows.sql);
-    rows.cells = fields_of(rows.csv);
+    rows.cells = rows_of(rows.csv);
     rows.names = rows.cells.front();
     rows.cells.erase(rows.cells.begin());
     return rows;

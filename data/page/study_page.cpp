@@ -52,7 +52,9 @@ StoredAnswers fit_answers(Database& database, const Study& study) {
 /// As palpate fit does without other words, then in the page's order of people.
 FitReport fit_numbers(const Study& study, const StoredAnswers& answers) {
     constexpr double kLapse = 0.02;
-    FitOptions options{.bootstrap = study.options.bootstrap, .conditions = answers.conditions};
+    FitOptions options{.bootstrap = study.options.bootstrap,
+                       .conditions = answers.conditions,
+                       .stimulus = answers.stimulus};
     options.spec = {.guess = kLapse, .lapse = kLapse, .two_sided = true};
     FitReport fit = fit_all(study.name, answers.all, options);
     if (!study.options.codes) {

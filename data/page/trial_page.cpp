@@ -6,6 +6,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "data/analysis/people_text.hpp"
 #include "data/page/study_page.hpp"
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
@@ -57,17 +58,16 @@ std::vector<std::string> measures() {
 }
 
 std::string bar_of(const Rows& rows) {
-    const double before = rows.number(0, "before_vertex_s");
-    const double vertex = rows.number(0, "vertex_s");
-    const double after = rows.number(0, "after_vertex_s");
-    const double all = before + vertex + after;
-    return all > 0.0
-             ? fmt::format(
-                   "<p class=\"where\"><span class=\"bar\" "
-                   "style=\"--a:{:.1f}%;--b:{:.1f}%\"></span> contact before the vertex {:.2f} s, "
-                   "on it {:.2f} s, after it {:.2f} s</p>\n",
-                   100.0 * before / all, 100.0 * (before + vertex) / all, before, vertex, after)
-             : std::string();
+    const auto seconds = [&](const char* name) {
+        return fmt::format("{:.2f} s", rows.number(0, name));
+    };
+    const std::string bar = html_bar(rows, 0);
+    return bar.empty()
+             ? bar
+             : fmt::format(
+                   "<p class=\"where\">{} contact before the vertex {}, on it {}, "
+                   "after it {}</p>\n",
+                   bar, seconds("before_vertex_s"), seconds("vertex_s"), seconds("after_vertex_s"));
 }
 
 void add_measures(PageWriter& page, const Study& study, const TrialTrace& trace) {
@@ -223,7 +223,9 @@ void add_facts(PageWriter& page,
                                  rows.text(0, "attempt")));
     const std::string run = rows.text(0, "run_name");
     if (!run.empty()) {
-        out += html_fact("Run", run, "stimulus " + short_number(rows.text(0, "stimulus")));
+        out += html_fact("Run", run,
+                         fmt::format("stimulus {}, {}", short_number(rows.text(0, "stimulus")),
+                                     stimulus_text(study.protocol)));
     }
     out += html_fact(
         "Seal", seal_text(database, owner, std::stoll(rows.text(0, "trial_id"))),

@@ -4,6 +4,7 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/realtime/felt_scene.hpp"
 #include "data/csv/json_text.hpp"
@@ -135,21 +136,6 @@ std::vector<Line> played_lines(const TrialTrace& trace) {
             of("rendered_y_n", 1e-3, 1.0, [](const TickRecord& tick) { return tick.force.y; })};
 }
 
-std::string played_json(const TrialTrace& trace) {
-    std::string out = "\"border\":[";
-    for (const engine::Vec2& point : border_of(trace)) {
-        out += fmt::format("{}[{:.2f},{:.2f}]", out.back() == '[' ? "" : ",", 1e3 * point.x,
-                           1e3 * point.y);
-    }
-    out += "],\"played\":[";
-    for (const Line& line : played_lines(trace)) {
-        out += fmt::format("{}\n{{\"name\":{},\"step\":{},\"shown\":{},\"text\":\"{}\"}}",
-                           out.back() == '[' ? "" : ",", json_string(line.name), line.step,
-                           line.shown, ticks_text(line.values, line.step));
-    }
-    return out + "]";
-}
-
 std::string_view colour_name(Ink ink) {
     return ink == Ink::blue ? "blue" : ink == Ink::vermillion ? "vermillion" : "green";
 }
@@ -158,45 +144,56 @@ int dash_of(Stroke stroke) {
     return stroke == Stroke::solid ? 0 : stroke == Stroke::dashed ? 6 : 2;
 }
 
+Json json_of(const Line& line) {
+    return {{"name", line.name},
+            {"label", line.label},
+            {"unit", line.unit},
+            {"step", line.step},
+            {"shown", line.shown},
+            {"ink", colour_name(line.ink)},
+            {"dash", dash_of(line.stroke)},
+            {"text", ticks_text(line.values, line.step)}};
+}
+
+Json json_of(const std::vector<Line>& lines) {
+    Json all = Json::array();
+    for (const Line& line : lines) {
+        all.push_back(json_of(line));
+    }
+    return all;
+}
+
 /// What trial_script.js draws.
 std::string json_of(const TrialTrace& trace,
                     const std::vector<Strip>& strips,
                     const std::vector<double>& times) {
-    std::string out =
-        fmt::format("{{\"ticks\":{},\"time\":{{\"step\":1e-6,\"text\":\"{}\"}},\"strips\":[",
-                    times.size(), ticks_text(times, 1e-6));
+    Json all{{"ticks", times.size()},
+             {"time", {{"step", 1e-6}, {"text", ticks_text(times, 1e-6)}}},
+             {"strips", Json::array()},
+             {"marks", Json::array()},
+             {"sticks", Json::array()},
+             {"border", Json::array()},
+             {"played", json_of(played_lines(trace))}};
     for (const Strip& strip : strips) {
-        out += fmt::format("{}{{\"title\":{},\"height\":{},\"names\":[",
-                           &strip == &strips[0] ? "" : ",", json_string(strip.title), strip.height);
-        for (std::size_t i = 0; i < strip.names.size(); ++i) {
-            out += fmt::format("{}{}", i == 0 ? "" : ",", json_string(strip.names[i]));
-        }
-        out += "],\"lines\":[";
-        for (const Line& line : strip.lines) {
-            out += fmt::format(
-                "{}\n{{\"name\":{},\"label\":{},\"unit\":{},\"step\":{},\"shown\":{},\"ink\":{},"
-                "\"dash\":{},\"text\":\"{}\"}}",
-                &line == &strip.lines[0] ? "" : ",", json_string(line.name),
-                json_string(line.label), json_string(line.unit), line.step, line.shown,
-                json_string(colour_name(line.ink)), dash_of(line.stroke),
-                ticks_text(line.values, line.step));
-        }
-        out += "]}";
+        all["strips"].push_back({{"title", strip.title},
+                                 {"height", strip.height},
+                                 {"names", strip.names},
+                                 {"lines", json_of(strip.lines)}});
     }
-    out += "],\"marks\":[";
     if (const auto done = trace.done_s()) {
-        out += fmt::format(
-            "{{\"at\":{},\"fault\":{},\"text\":{}}}", *done, !trace.fault_cause.empty(),
-            json_string(trace.fault_cause.empty() ? "done" : "force off: " + trace.fault_cause));
+        all["marks"].push_back(
+            {{"at", *done},
+             {"fault", !trace.fault_cause.empty()},
+             {"text", trace.fault_cause.empty() ? "done" : "force off: " + trace.fault_cause}});
     }
-    out += "],\"sticks\":[";
-    const auto sticks = stick_events(trace);
-    for (std::size_t i = 0; i < sticks.size(); ++i) {
-        out +=
-            fmt::format("{}{}", i == 0 ? "" : ",", 1e-9 * static_cast<double>(sticks[i].time_ns));
+    for (const TickRecord& stick : stick_events(trace)) {
+        all["sticks"].push_back(1e-9 * static_cast<double>(stick.time_ns));
     }
-    out += "]," + played_json(trace) + "}";
-    return replaced(out, "<", "\\u003c");  // nothing may end the element
+    for (const engine::Vec2& point : border_of(trace)) {
+        const engine::Vec2 shown = glm::round(1e5 * point) / 100.0;  // mm
+        all["border"].push_back({shown.x, shown.y});
+    }
+    return replaced(all.dump(), "<", "\\u003c");  // nothing may end the element
 }
 
 /// A line with the least and the largest value of each of kBins stretches of ticks.

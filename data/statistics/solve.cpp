@@ -214,6 +214,25 @@ std::optional<std::vector<double>> inverse_curvature(const SmoothFunction& f,
     return numbers_of(hessian.ldlt().solve(Matrix::Identity(hessian.rows(), hessian.cols())));
 }
 
+double crossing(const std::function<double(double)>& f,
+                double wanted,
+                Reading near,
+                Reading far,
+                double tolerance) {
+    for (int i = 0; i < 60; ++i) {
+        const double t =
+            i % 4 == 3 ? 0.5
+                       : std::clamp((wanted - near.value) / (far.value - near.value), 0.02, 0.98);
+        const double at = near.at + t * (far.at - near.at);
+        const Reading middle{at, f(at)};
+        if (std::fabs(middle.value - wanted) < tolerance || at == near.at || at == far.at) {
+            return at;
+        }
+        (middle.value < wanted ? near : far) = middle;
+    }
+    return 0.5 * (near.at + far.at);
+}
+
 SimplexMaximum simplex_maximum(const SmoothFunction& value,
                                std::vector<double> start,
                                std::vector<double> edge) {

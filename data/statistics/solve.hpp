@@ -61,4 +61,20 @@ struct SimplexMaximum {
                                              std::vector<double> start,
                                              std::vector<double> edge);
 
+/// What a function is at a place.
+struct Reading {
+    double at = 0.0;
+    double value = 0.0;
+};
+
+/// Where a function that is nearly a straight line has a value that lies between two readings of
+/// it, to within `tolerance` of the value: false position, halving at times, where the line is
+/// bent.
+/// @param near  below the value   @param far  at it or above, elsewhere
+[[nodiscard]] double crossing(const std::function<double(double)>& f,
+                              double wanted,
+                              Reading near,
+                              Reading far,
+                              double tolerance);
+
 }  // namespace palpate::data

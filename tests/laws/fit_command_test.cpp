@@ -366,3 +366,22 @@ TEST_CASE("the changes of a person are those of the sigmas beside them, however 
         CHECK((three[f]["ratio_p"].get<double>() < 0.05) == outside);
     }
 }
+
+TEST_CASE("biases of items that no confusion links have no ratio, and are said to have none",
+          "[fit][choice][law]") {
+    const TemporaryFolder folder;
+    std::string rows = "subject,trial,shape,friction,response\n";
+    int trial = 0;
+    for (const char* answer : {"0,off,0", "0,off,1", "1,off,0", "1,off,1", "2,off,2", "0,on,0",
+                               "0,on,1", "1,on,1", "1,on,2", "2,on,2", "1,on,0", "2,on,1"}) {
+        rows += fmt::format("A,{},{}\n", ++trial, answer);
+    }
+    write(folder.file("d.csv"), rows);
+    const Json conditions = fitted({folder.file("d.csv")})["people"][0]["conditions"];
+    CHECK(conditions[0]["bias_groups"].dump() == R"([["0","1"],["2"]])");
+    CHECK(conditions[1]["bias_groups"].dump() == R"([["0","1","2"]])");
+    CHECK_THAT(ran({"fit", folder.file("d.csv")}).out,
+               Has("off, biases have a ratio within each of these alone, which no confusion links: "
+                   "0, 1 | 2\n") &&
+                   !Has("on, biases have a ratio"));
+}

@@ -28,7 +28,7 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
     const Finished one = ended(power("1"));
     CHECK_THAT(one.out,
                Has("on against off, 8 trials", "exact sign-flip test", "2000 without an effect",
-                   "judged from 32 hands", "Power of 0.8 takes",
+                   "judged from 32 trials that the hands of 2 people felt", "Power of 0.8 takes",
                    "For the pre-registration:", "-2 logit (sd 0.3 over people) with a power of"));
     CHECK_THAT(slurp(folder.file("power.svg")), Has("type I error"));
     CHECK(power("3").out == one.out);
@@ -50,6 +50,19 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
         ran({"power", study, "--effect", "observer", "--observer", folder.file("quick.toml"),
              "--participants", "6", "--studies", "20", "--hands", "1", "--test", "signed_rank"});
     CHECK_THAT(wilcoxon.out, Has("Wilcoxon signed-rank"));
+}
+
+TEST_CASE("two people are enough where their power is", "[power][law]") {
+    const TemporaryFolder folder;
+    write(folder.file("p.toml"),
+          edited(slurp(kFourTrials), {{"repetitions = 1", "repetitions = 60"}, {"= 2.62", "= 2"}}));
+    write(folder.file("sure.toml"),
+          "format = 1\n[observer]\nnoise_per_m = 2\n[hand]\nspeed_factor = 2.5\n");
+    const Finished power =
+        ran({"power", folder.file("p.toml"), "--observer", folder.file("sure.toml"), "--effect",
+             "-9", "--effect-sd", "0", "--participants", "2,3", "--studies", "60", "--null-studies",
+             "20", "--hands", "1"});
+    CHECK_THAT(power.out, Has("       2  0.8", "Power of 0.8 takes 2 people"));
 }
 
 TEST_CASE("palpate power says where there is no effect, and never an error of 0", "[power]") {

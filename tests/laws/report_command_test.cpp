@@ -291,7 +291,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     for (const std::string& code : kCodes) {
         CHECK_THAT(page, !Has(code));
     }
-    CHECK_THAT(page, Has(">mu</text>") && !Has(">stimulus</text>") &&
+    CHECK_THAT(page, Has(">static friction coefficient</text>") && !Has(">stimulus</text>") &&
                          Has("or the board an emulator: nobody felt anything"));
     check_sources(page, file);
     CHECK_THAT(sources_of(page).at("simulated-learning.csv").csv,

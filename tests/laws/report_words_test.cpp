@@ -1,5 +1,6 @@
 #include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/sql_first.hpp"
 
 // What the page and palpate summary say of tests in words is what was tested.
@@ -27,6 +28,8 @@ const std::string kStrong =
     "\n[[friction]]\nname = \"strong\"\nlaw = \"gos\"\nmu_s = 1.2\nmu_d = 1\ntau_slip_ms = 20\n"
     "tau_heal_ms = 100\n";
 
+const std::string kAsked = "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
+
 std::string after(const std::string& text, const std::string& mark, std::size_t length) {
     const std::size_t at = text.find(mark);
     return at == std::string::npos ? std::string() : text.substr(at, length);
@@ -38,6 +41,31 @@ void mark_all(const std::string& file, const std::string& friction, int first) {
                                "trial_id FROM analysis_trial WHERE friction = '{}' AND session_id "
                                ">= {})",
                                friction, first));
+}
+
+/// A study of softness, all of whose stimuli are above 0: their logarithms, or mm/N themselves.
+std::string softness_study(const TemporaryFolder& folder, bool logarithms) {
+    std::vector<std::pair<std::string, std::string>> edits{
+        {"compliance_mm_per_n = 1 ", "compliance_mm_per_n = 2.2 "},
+        {"trials = 60", "trials = 12"},
+        {"practice_trials = 4", "practice_trials = 0"},
+        {"from = -0.6, to = 0.6, step = 0.05", "from = 0.05, to = 0.65, step = 0.05"},
+        {"from = -0.3, to = 0.3, step = 0.05", "from = 0.05, to = 0.65, step = 0.05"},
+        {"mean = 0, sd", "mean = 0.34, sd"},
+        {"practice_stimulus = 0.6", "practice_stimulus = 0.65"}};
+    if (!logarithms) {
+        edits.insert(edits.end(),
+                     {{"stimulus_as = \"log10\"", "stimulus_as = \"value\""},
+                      {"from = 0.05, to = 0.65, step = 0.05", "from = 1.2, to = 4, step = 0.2"},
+                      {"from = 0.05, to = 0.65, step = 0.05", "from = 1.2, to = 4, step = 0.2"},
+                      {"mean = 0.34, sd", "mean = 2.2, sd"},
+                      {"practice_stimulus = 0.65", "practice_stimulus = 4"}});
+    }
+    const std::string name = logarithms ? "log" : "plain";
+    write(folder.file(name + ".toml"), short_text("softness_2afc", edits));
+    ran({"simulate", folder.file(name + ".toml"), "--participants", "1", "--no-traces", "--db",
+         folder.file(name + ".sqlite")});
+    return folder.file(name + ".sqlite");
 }
 
 }  // namespace
@@ -160,4 +188,113 @@ TEST_CASE("the page names every quantity that is not the same, with the audit's 
     }
     CHECK_THAT(page, Has(more.empty() ? "start, to the right (rig)"
                                       : "start, to the right (rig, on - off)"));
+}
+
+TEST_CASE("of yes and no the page frames what the signals say, and says so of nothing else",
+          "[report][law]") {
+    const TemporaryFolder folder;
+    const std::string file = simulated(folder, kAsked, "2");
+    const std::string unknown = page_of(file, kSimulated);
+    CHECK_THAT(unknown, Has("No answer is right or wrong;") && !Has("class=\"right\"") &&
+                            !Has("A frame marks"));
+    const std::string page = page_of(file, joined(kSimulated, {"--signal", "convex"}));
+    CHECK_THAT(page, Has("A frame marks the right answer;"));
+    CHECK(count_of(page, "class=\"right\"") == 4);  // two objects, two frictions
+    for (const std::string& row : between(page, "<tr><th scope=\"row\">conv", "</tr>")) {
+        if (row.find("<td style") != std::string::npos) {
+            CHECK(row.find("class=\"right\"") > row.find("<td style"));  // no, then yes
+        }
+    }
+}
+
+TEST_CASE("of one friction the page has no table without a row", "[report][law]") {
+    const TemporaryFolder folder;
+    const std::string text = four_trials();
+    const std::size_t off = text.find("[[friction]]");
+    const std::size_t on = text.find("[[friction]]", off + 1);
+    write(folder.file("p.toml"),
+          replaced(text.substr(0, off) + text.substr(on), "repetitions = 1", "repetitions = 6"));
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--participants", "3", "--no-traces", "--db", file});
+    ran({"participant", file, "S000003", "--consent", "no"});
+    const std::string page = page_of(file, kSimulated);
+    CHECK_THAT(page, Has("Means over people with 95 % intervals", "3 people had a session") &&
+                         !Has("<tbody>\n</tbody>") && !Has("Differences within person"));
+}
+
+TEST_CASE("the cells of a map are of one size, also where they meet the middle of the object",
+          "[report][law]") {
+    const TemporaryFolder folder;
+    write(folder.file("p.toml"),
+          short_text("patch_friction", {{"repetitions = 5", "repetitions = 1"},
+                                        {"practice_repetitions = 1", "practice_repetitions = 0"}}));
+    const std::string file = folder.file("a.sqlite");
+    ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
+    const std::string map = sources_of(page_of(file, kSimulated)).at("simulated-maps.csv").csv;
+    const std::string cells = sql_csv(
+        file,
+        "SELECT count(*) AS n FROM (SELECT DISTINCT trial_id, floor(go_x_m * 400), floor(go_y_m * "
+        "400), segment FROM main_trial JOIN sample USING (trial_id) WHERE mode <> 'free')");
+    CHECK(fmt::format("n\n{}\n", count_of(map, "\n") - 1) == cells);
+}
+
+TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands beside its numbers",
+          "[fit][report][export][law]") {
+    const TemporaryFolder folder;
+    const std::string log = softness_study(folder, true);
+    const std::string plain = softness_study(folder, false);
+    const Words how{"--kind", "simulated", "--bootstrap", "0"};
+    const std::string what = "log10 of compliance in mm/N";
+    CHECK(sql_csv(log, "SELECT min(stimulus) > 0 AS n FROM main_trial") == "n\n1\n");
+    const Json of_log = fitted(joined({log}, how));
+    CHECK(of_log["stimulus"] == what);
+    CHECK(of_log["curves"][0]["weber_fraction"]["estimate"].is_null());
+    CHECK(of_log["curves"][0]["weber_fraction"]["why"] == "none of a logarithmic stimulus");
+    const Json of_plain = fitted(joined({plain}, how));
+    CHECK(of_plain["stimulus"] == "compliance in mm/N");
+    const Json& curve = of_plain["curves"][0];
+    if (curve["jnd"]["estimate"].is_number()) {
+        const double jnd = curve["jnd"]["estimate"];
+        const double threshold = curve["threshold"]["estimate"];
+        const double weber = curve["weber_fraction"]["estimate"];
+        CHECK(std::fabs(weber - jnd / threshold) < 1e-9);
+    }
+    CHECK_THAT(ran(joined({"fit", log, "--svg", folder.file("c.svg")}, how)).out,
+               Has("\n  stimulus: " + what + "\n"));
+    CHECK_THAT(slurp(folder.file("c.svg")), Has(">" + what + "</text>"));
+    const std::string page = page_of(log, how);
+    CHECK(count_of(page, ">" + what + "</text>") == 2);  // of the curve, and of its track
+    CHECK_THAT(page, Has("by the answers so far (" + what + "), 12 trials",
+                         "(5 1/m, which yields by 2.2 mm/N)"));
+    CHECK_THAT(page_of(log, {"--trial", "1"}), Has(", " + what + "<"));
+    for (const std::string format : {"quickpsy", "psignifit"}) {
+        ran({"export", log, "--kind", "all", "--as", format, "-o", folder.file(format)});
+        CHECK_THAT(slurp(folder.file(format + "/README.txt")),
+                   Has("\nx of softness2afc: " + what + ".\n"));
+    }
+    const std::string both = folder.file("both.sqlite");
+    ran({"merge", both, log, plain});
+    CHECK_THAT(ran(joined({"fit", both, "--versions", "together"}, how), 2).error,
+               Has("the versions of softness_2afc have different stimuli, compliance in mm/N and " +
+                   what + ": no curve goes through both; take them apart, --versions apart"));
+}
+
+TEST_CASE("versions that are taken together keep each friction, and no curvature of one of them",
+          "[fit][report][law]") {
+    const TemporaryFolder folder;
+    const std::string old = folder.file("old.sqlite");
+    std::filesystem::rename(simulated(folder, "", "2"), old);
+    write(folder.file("q.toml"),
+          edited(slurp(folder.file("p.toml")), {{"curvature_per_m = 8", "curvature_per_m = 9"},
+                                                {"name = \"on\"", "name = \"rough\""}}));
+    ran({"simulate", folder.file("q.toml"), "--participants", "3", "--no-traces", "--db",
+         folder.file("new.sqlite")});
+    const std::string both = folder.file("both.sqlite");
+    ran({"merge", both, old, folder.file("new.sqlite")});
+    const Words how{"--kind", "simulated", "--versions", "together"};
+    refused(joined({"fit", both}, how), "\"convex\" has no value to be ordered by");
+    CHECK(fitted(joined({both, "--item", "convex=8.5"}, how))["values"] == Json{-8.0, 8.5});
+    const std::string page = page_of(both, joined(how, {"--simulations", "20"}));
+    const std::string times = after(page, "<figure id=\"times\"", 20000);
+    CHECK_THAT(times.substr(0, times.find("</figure>")), Has(">on</text>", ">rough</text>"));
 }

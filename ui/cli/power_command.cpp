@@ -261,7 +261,8 @@ int run(const PowerOptions& options) {
     catch_signals();
     const std::vector<protocols::FeltTrial> hands =
         felt_hands(study, static_cast<std::size_t>(options.hands), report.spec.threads);
-    report.hands = hands.size();
+    report.hands = static_cast<std::size_t>(options.hands);
+    report.felt_trials = hands.size();
 
     const protocols::JudgedPeople people(protocol, model, hands, pair, effect);
     const protocols::JudgedPeople nobody(protocol, model, hands, pair,

@@ -281,6 +281,7 @@ int run(const FitWords& words) {
     refuse_if(database && answers.all.empty(),
               "{}: everybody is left out by the protocol's rules{}", words.file, below(account));
     options.conditions = order_of(answers, words.baseline);
+    options.stimulus = answers.stimulus;
     require_writable(words.svg, "<svg");
     data::FitReport report =
         data::fit_all(source_of(words, database, answers.study), answers.all, options);
