@@ -65,7 +65,9 @@ public:
     [[nodiscard]] bool force_doubted() const noexcept { return force_doubted_.load(); }
 
     /// Something was asked for that a session stops for between trials.
-    [[nodiscard]] bool wants() const noexcept { return mark_.has_value() || pause_ || wants_stop(); }
+    [[nodiscard]] bool wants() const noexcept {
+        return mark_.has_value() || pause_ || wants_stop();
+    }
     /// Force is not wanted: stop() or bar().
     [[nodiscard]] bool wants_stop() const noexcept {
         return stop_.load() != nullptr || barred() != nullptr;

@@ -1,4 +1,5 @@
 #include "tests/bench/hand.hpp"
+
 #include "tests/support/frame.hpp"
 
 namespace palpate::bench {

@@ -142,7 +142,8 @@ TEST_CASE("no new file begins beside the log of one that was moved away, and tha
     const std::string log = slurp(file + "-wal");
     REQUIRE_FALSE(log.empty());
     for (const Words& begins :
-         {words(file), Words{"verify", file}, Words{"participant", file, "P1", "--new"}, Words{"merge", file, moved},
+         {words(file), Words{"verify", file}, Words{"participant", file, "P1", "--new"},
+          Words{"merge", file, moved},
           Words{"simulate", "shape_friction_demo", "--participants", "1", "--db", file}}) {
         for (const bool empty : {false, true}) {
             if (empty && begins.front() == "simulate") {

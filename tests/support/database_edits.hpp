@@ -21,10 +21,9 @@ private:
 };
 
 /// Columns that nothing else in the file says (data/verify/verify.hpp).
-inline const std::set<std::string> kSilent{"participant.handedness", "participant.consent",
-                                           "participant.handedness_utc", "participant.consent_utc",
-                                           "participant.refusals_utc",
-                                           "participant.destroyed_utc"};
+inline const std::set<std::string> kSilent{
+    "participant.handedness",  "participant.consent",      "participant.handedness_utc",
+    "participant.consent_utc", "participant.refusals_utc", "participant.destroyed_utc"};
 
 inline Words result_columns(data::Database& database, const Words& tables) {
     Words columns;

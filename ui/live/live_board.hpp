@@ -130,7 +130,7 @@ private:
     Bins late_session_{};
     std::uint64_t ticks_ = 0;
     std::uint64_t stale_ = 0;
-    std::size_t per_shown_;  ///< ticks
+    std::size_t per_shown_;      ///< ticks
     engine::TickRecord last_{};  ///< that was shown
     std::unique_ptr<Shown> all_;
     bool revealed_ = false;
