@@ -57,8 +57,8 @@ struct IdentificationReport {
     std::vector<OverPeople> over_people{};
 };
 
-/// The value of every item of a database that has one: the curvature of its object, 1/m. Versions of
-/// a protocol that are taken together may differ in it: then it has none.
+/// The value of every item of a database that has one: the curvature of its object, 1/m. Versions
+/// of a protocol that are taken together may differ in it: then it has none.
 [[nodiscard]] std::map<std::string, double> item_values(Database& database,
                                                         const std::string& study);
 

@@ -40,9 +40,10 @@ struct PushReport {
 /// refused it before, and a session whose chain of hashes does not hold (data/store/chain.hpp):
 /// damaged, or edited by hand. Of who does not consent nothing is added but that they do not, as a
 /// row beside that of a yes before, and which sessions are theirs; a session or a handedness of
-/// theirs that is there is a conflict, and so is a handedness that was destroyed here. That something was
-/// destroyed is sent, and what a file that does not know of it has of that person is not. The server
-/// has each session as it was run: whose it is really, and that it was withdrawn, its events say.
+/// theirs that is there is a conflict, and so is a handedness that was destroyed here. That
+/// something was destroyed is sent, and what a file that does not know of it has of that person is
+/// not. The server has each session as it was run: whose it is really, and that it was withdrawn,
+/// its events say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws StoreError if the file says otherwise than this program how ticks are written
 /// @throws PostgresError if the server fails: what was added stays

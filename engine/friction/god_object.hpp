@@ -61,8 +61,9 @@ struct Walk {
 /// which HIP drives the god-object over it: a corner feels the same at every rate. Where the
 /// outline turns back beyond the vertex, as a step does, the way costs only the turn between its
 /// two ends. A concave vertex is left only along a span whose drive exceeds mu times that span's
-/// own load, while the other span alone does not hold the GO in its cone. An open end holds the GO until HIP leaves. The direction never reverses within a walk,
-/// and on the way the stretch only falls: each span is visited once.
+/// own load, while the other span alone does not hold the GO in its cone. An open end holds the GO
+/// until HIP leaves. The direction never reverses within a walk, and on the way the stretch only
+/// falls: each span is visited once.
 ///
 /// @param from    HIP one tick ago, m
 /// @param budget  travel allowed in this tick, m; infinite without slew

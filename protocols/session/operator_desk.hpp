@@ -35,7 +35,8 @@ struct MarkReply {
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
-    /// @param reason  in the experimenter's words, after those of marks that still wait; empty: none
+    /// @param reason  in the experimenter's words, after those of marks that still wait; empty:
+    /// none
     void mark(const std::string& reason = {}) {
         const std::string before = mark_.value_or("");
         mark_ = before + (before.empty() || reason.empty() ? "" : "; ") + reason;

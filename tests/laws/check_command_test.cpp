@@ -46,7 +46,8 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
     const TemporaryFolder folder;
     const Finished check =
         ran({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
-    // 114 trials at 35.4 s, 107 gaps of 1.5 s and 6 breaks of 30 s: 72.9 min, see the test of the duration.
+    // 114 trials at 35.4 s, 107 gaps of 1.5 s and 6 breaks of 30 s: 72.9 min, see the test of the
+    // duration.
     CHECK_THAT(check.out, Has("114 trials: 10 practice, 100 main in 1 block, 4 catch\n",
                               "object 2 (limit 2), friction 3 (limit 3)\n",
                               "\nduration 73 min if every trial is felt until the prompt",

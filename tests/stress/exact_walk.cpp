@@ -194,8 +194,9 @@ private:
         const Seam& seam = outline_.seams()[index];
         const Stretch on = stretch(place(seam.point), tangent(seam.after, false), 1);
         const Stretch back = stretch(place(seam.point), tangent(seam.before, true), -1);
-        // Left along the side that drives outwards, out of its own cone, unless the other side holds
-        // the god-object in its cone: on that side alone it would stay. Of two the steeper one.
+        // Left along the side that drives outwards, out of its own cone, unless the other side
+        // holds the god-object in its cone: on that side alone it would stay. Of two the steeper
+        // one.
         const auto drives = [](const Stretch& s, Real margin) {
             return s.tau > margin && s.excess > margin;
         };
