@@ -148,9 +148,8 @@ private:
         const ConeView after = view(out.point, out.first);
         if (cross(before.tangent, after.tangent) >= 0.0) {
             const Groove groove{.before = before, .after = after};
-            const double out = groove.way_out<true>(dir_);
-            if (out != 0.0) {
-                return leave(seam, place, out);
+            if (const double way = groove.way_out<true>(dir_); way != 0.0) {
+                return leave(seam, place, way);
             }
             walk_.in_corner = true;
             settle(groove.felt(hip_, in.point), place);
