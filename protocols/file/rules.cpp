@@ -54,9 +54,9 @@ private:
         const std::size_t pictured = objects_of(protocol_, true).size();
         const bool asked = protocol_.response.kind == ResponseKind::identification;
         add_if(asked && (pictured < kMinPictures || pictured > kMaxPictures), "object.1",
-               "there are {} pictured objects: give {} to {} [[object]] tables without pictured = "
-               "false",
-               pictured, kMinPictures, kMaxPictures);
+               "{} cannot be chosen from: give {} to {} [[object]] tables without "
+               "pictured = false",
+               counted(pictured, "pictured object"), kMinPictures, kMaxPictures);
         add_if(protocol_.objects.size() > kMaxObjects, "object.1",
                "there are {} objects: give at most {}", protocol_.objects.size(), kMaxObjects);
         add_if(protocol_.frictions.empty() || protocol_.frictions.size() > kMaxFrictions,

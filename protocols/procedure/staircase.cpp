@@ -37,7 +37,7 @@ void check(const StaircaseSpec& s) {
     refuse_if(s.scale != StepScale::linear && !(s.start > 0.0),
               "start is {}: on a scale of factors give a level above 0", s.start);
     refuse_if(s.trials == 0 && s.reversals == 0,
-              "the staircase would never end: give trials or reversals");
+              "the staircase would never end: give trials, or, outside of a protocol, reversals");
 }
 
 double moved(StepScale scale, double level, double step) {

@@ -70,7 +70,7 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
         "format = 1\nstudy = {id = \"s\", title = \"t\", seed = 1}\ndesign = {repetitions = 1}\n"
         "object = [{name = \"a\", curvature_per_m = 1}]\nfriction = [{name = \"f\", law = "
         "\"frictionless\"}]\n";
-    CHECK_THAT(refusal(text), Has("there are 1 pictured objects: give 2 to 9"));
+    CHECK_THAT(refusal(text), Has("1 pictured object cannot be chosen from: give 2 to 9"));
     CHECK_THAT(refusal("format = 1\nobject = 3\nfriction = [3]\n"),
                Has("with two brackets", "friction 1 is 3"));
 }
