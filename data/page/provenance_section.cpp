@@ -73,15 +73,18 @@ std::string task_text(const protocols::Protocol& protocol) {
 
 std::string design_text(const protocols::Protocol& protocol) {
     if (protocol.procedure) {
-        return fmt::format("{} ({}), {}{}.",
-                           constant_stimuli(protocol)
-                               ? "Every level was felt equally often, in an order drawn for each "
-                                 "run, whatever was answered"
-                               : "A rule chose what was felt by the answers so far",
-                           stimulus_text(protocol), counted(protocol.procedure->trials, "trial"),
-                           protocol.runs.size() > 1 ? fmt::format(" of each of {} interleaved runs",
-                                                                  protocol.runs.size())
-                                                    : "");
+        const std::string stimulus = stimulus_text(protocol);
+        return fmt::format(
+            "{}, {}{}.",
+            constant_stimuli(protocol)
+                ? fmt::format("Every level ({}) was felt equally often, in an order drawn for each "
+                              "run, whatever was answered",
+                              stimulus)
+                : fmt::format("A rule chose what was felt ({}) by the answers so far", stimulus),
+            counted(protocol.procedure->trials, "trial"),
+            protocol.runs.size() > 1
+                ? fmt::format(" of each of {} interleaved runs", protocol.runs.size())
+                : "");
     }
     const auto& design = protocol.design;
     return fmt::format(

@@ -264,7 +264,7 @@ TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands besi
     CHECK_THAT(slurp(folder.file("c.svg")), Has(">" + what + "</text>"));
     const std::string page = page_of(log, how);
     CHECK(count_of(page, ">" + what + "</text>") == 2);  // of the curve, and of its track
-    CHECK_THAT(page, Has("by the answers so far (" + what + "), 12 trials",
+    CHECK_THAT(page, Has("felt (" + what + ") by the answers so far, 12 trials",
                          "(5 1/m, which yields by 2.2 mm/N)"));
     CHECK_THAT(page_of(log, {"--trial", "1"}), Has(", " + what + "<"));
     for (const std::string format : {"quickpsy", "psignifit"}) {
