@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/geometry/vec.hpp"
 #include "engine/rendering/mode.hpp"
 
 /// The pre-determined path of the thesis' chapter 3.2.1 on its object of two curves, felt by two

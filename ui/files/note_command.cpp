@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"

@@ -22,6 +22,7 @@
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/observer_file.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
 #include "data/store/session_store.hpp"
