@@ -1,9 +1,12 @@
 #include "data/store/people.hpp"
 #include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
+using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::protocols;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,4 +1,5 @@
 #include "tests/support/mixed_study.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 
 TEST_CASE(
