@@ -275,7 +275,8 @@ TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]
 }
 
 TEST_CASE("a staircase that makes no sense is refused with the remedy", "[staircase]") {
-    CHECK_THROWS_WITH(Staircase({.start = 1}), Has("give trials, or, outside of a protocol, reversals"));
+    CHECK_THROWS_WITH(Staircase({.start = 1}),
+                      Has("give trials, or, outside of a protocol, reversals"));
     CHECK_THROWS_WITH(Staircase({.start = 1, .steps_up = {}, .trials = 5}),
                       Has("step_up is empty"));
     CHECK_THROWS_WITH(Staircase({.start = 1, .steps_down = {-1.0}, .trials = 5}),
