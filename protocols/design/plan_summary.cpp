@@ -88,12 +88,13 @@ Duration duration_of(const Plan& plan, const Protocol& protocol) {
         std::count_if(plan.trials.begin(), plan.trials.end(),
                       [](const PlannedTrial& trial) { return trial.break_before; }));
     const auto intervals = static_cast<double>(intervals_of(protocol));
-    const double told = protocol.response.feedback == Feedback::all      ? trials
-                      : protocol.response.feedback == Feedback::practice ? practice_trials(plan)
-                                                                         : 0.0;
+    const double with_feedback = protocol.response.feedback == Feedback::all ? trials
+                               : protocol.response.feedback == Feedback::practice
+                                   ? practice_trials(plan)
+                                   : 0.0;
     const double ramps = 2.0 * protocol.apparatus.force_ramp;
     const double person = intervals * kReadySeconds + kChoiceSeconds;
-    const double between = breaks * timing.break_min + told * kFeedbackSeconds +
+    const double between = breaks * timing.break_min + with_feedback * kFeedbackSeconds +
                            std::max(trials * intervals - 1.0 - breaks, 0.0) * timing.gap;
     const auto felt_for = [&](double seconds) {
         return trials * intervals * (seconds + ramps) + between;

@@ -83,7 +83,7 @@ public:
     /// device does not say. None: no hand is brought to a start (a simulated one, a pointer that is
     /// put there).
     [[nodiscard]] virtual std::optional<engine::Vec3> place() { return std::nullopt; }
-    /// Why the last place() was infinitely far: what the device then told of itself.
+    /// Why the last place() was infinitely far: what the device then said of itself.
     [[nodiscard]] virtual engine::Trip place_fault() const { return engine::Trip::device_silent; }
     /// Between trials: how the handle moved as no hand does while nothing was felt, Trip::jump or
     /// Trip::over_speed; none: it did not. It stays until forget_move().

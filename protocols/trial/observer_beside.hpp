@@ -18,7 +18,7 @@ enum class SessionStep : std::uint8_t {
     ended
 };
 
-/// Whoever answers, for somebody beside who is told each step before it begins.
+/// Whoever answers, for somebody beside who hears of each step before it begins.
 class ObserverBeside : public Observer {
 public:
     /// @param observer  outlives this one

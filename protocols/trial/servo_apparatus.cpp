@@ -226,9 +226,9 @@ engine::ShortForm DeviceApparatus::prove_motors() {
 std::optional<engine::Vec3> DeviceApparatus::place() {
     const auto look = [this]() -> std::optional<engine::Vec3> {
         const auto last = servo_.resting();
-        const bool told = last && monotonic_ns() - last->at_ns < kFreshNs;
-        const bool read = told && last->fault == engine::DeviceFault::none;
-        place_fault_ = told && !read ? trip_of(last->fault) : engine::Trip::device_silent;
+        const bool fresh = last && monotonic_ns() - last->at_ns < kFreshNs;
+        const bool read = fresh && last->fault == engine::DeviceFault::none;
+        place_fault_ = fresh && !read ? trip_of(last->fault) : engine::Trip::device_silent;
         return read ? std::optional(last->hip) : std::nullopt;
     };
     std::optional<engine::Vec3> place = look();

@@ -269,5 +269,5 @@ TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and no
     CHECK_THAT(palpate_command({"preview", file, "--device", "mouse"}).error,
                Has("give a device with force, or sim"));
     CHECK_THAT(palpate_command({"preview", folder.path().string()}).error,
-               Has("there is no such file"));
+               Has("it is no plain file"));
 }

@@ -170,9 +170,10 @@ EventSource stream_of(const Drawn& drawn, const FeltStimuli* felt) {
 
 int run(const PreviewOptions& options) {
     std::error_code unknown;
-    refuse_if(!fs::is_regular_file(options.protocol, unknown),
-              "{}: there is no such file; palpate new makes one of a shipped protocol",
-              options.protocol);
+    refuse_if(
+        !fs::is_regular_file(options.protocol, unknown),
+        "{}: {}; palpate new makes a protocol of a shipped one", options.protocol,
+        fs::exists(options.protocol, unknown) ? "it is no plain file" : "there is no such file");
     catch_signals();
     std::optional<FeltStimuli> felt;
     if (!options.device.empty()) {
