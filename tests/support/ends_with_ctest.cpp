@@ -1,4 +1,9 @@
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/support/std.hpp"
 
@@ -12,6 +17,31 @@ namespace {
 [[maybe_unused]] const int given_way = [] {
     const char* const by = std::getenv("PALPATE_TEST_NICE");
     return by != nullptr ? nice(std::atoi(by)) : 0;
+}();
+
+/// Sessions are called by names of the network's: with a network of its own, loopback alone, a
+/// test's `palpate stop` ends its own sessions and pulses, and no other test's. Whoever is not root
+/// may have one among users of its own, who are those of before.
+[[maybe_unused]] const bool apart = [] {
+    if (std::getenv("PALPATE_TEST_APART") == nullptr) {
+        return false;
+    }
+    const auto user = geteuid();
+    const auto group = getegid();
+    if (unshare(CLONE_NEWNET) != 0) {
+        if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
+            return false;
+        }
+        std::ofstream("/proc/self/setgroups") << "deny";
+        std::ofstream("/proc/self/uid_map") << fmt::format("{0} {0} 1", user);
+        std::ofstream("/proc/self/gid_map") << fmt::format("{0} {0} 1", group);
+    }
+    const int any = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    ifreq loopback{.ifr_ifrn = {"lo"}, .ifr_ifru = {}};
+    loopback.ifr_flags = IFF_UP;
+    const bool up = ioctl(any, SIOCSIFFLAGS, &loopback) == 0;
+    close(any);
+    return up;
 }();
 
 }  // namespace
