@@ -28,8 +28,7 @@ std::vector<std::size_t> open(data::Database& database,
 
 }  // namespace
 
-TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not",
-          "[store][law]") {
+TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not") {
     NewDatabase database;
     const protocols::Protocol protocol = small_protocol();
     const std::size_t rows = picture_rows(protocol).size();
@@ -49,8 +48,7 @@ TEST_CASE("those who really ran decide the next row of pictures, simulated ones 
     CHECK(data::orders_of(database, data::Balanced::pictures, "other", {"R0", 1}).others.empty());
 }
 
-TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
-          "[store][law]") {
+TEST_CASE("a session goes on with its own pictures, and so does the participant's next one") {
     NewDatabase database;
     const protocols::Protocol protocol = small_protocol();
     const auto first = open(database, protocol, "R0", data::RunKind::real);
@@ -82,8 +80,7 @@ std::size_t open_blocks(data::Database& database,
 
 }  // namespace
 
-TEST_CASE("real participants begin with each friction in turns, whoever else ran",
-          "[store][friction_blocks][law]") {
+TEST_CASE("real participants begin with each friction in turns, whoever else ran") {
     SEED(std::uint64_t{6});
     NewDatabase database;
     protocols::Protocol protocol = small_protocol(2);
@@ -106,8 +103,7 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
     CHECK(open_blocks(database, protocol, "R0", data::RunKind::real, 2) == begun[0]);
 }
 
-TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
-          "[store][law]") {
+TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back") {
     SEED(std::uint64_t{8});
     NewDatabase database;
     protocols::Protocol protocol = small_protocol();
@@ -207,8 +203,7 @@ struct GrownFile {
 
 }  // namespace
 
-TEST_CASE("whatever was rehearsed, piloted, withdrawn and begun again, real rows stay in balance",
-          "[store][law]") {
+TEST_CASE("whatever was rehearsed, piloted, withdrawn and begun again, real rows stay in balance") {
     SEEDED(random, std::uint64_t{6});
     GrownFile file;
     file.protocol.seed = seed;

@@ -106,8 +106,7 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
 
 }  // namespace
 
-TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old",
-          "[store][law]") {
+TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old") {
     SEEDED(random, std::uint64_t{6});
     const TemporaryFile file("a.sqlite");
     const auto spec = session_spec(small_protocol());
@@ -135,7 +134,7 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     CHECK(std::chrono::nanoseconds(least.age_ns) >= data::AsyncRecorder::kSaveEvery);
 }
 
-TEST_CASE("a lock of another program keeps no tick and no answer back for good", "[store][law]") {
+TEST_CASE("a lock of another program keeps no tick and no answer back for good") {
     SmallSession session;
     const std::string file = session.folder.file("a.sqlite");
     data::AsyncRecorder recorder(session.recorder, 5ms);
@@ -160,7 +159,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
     CHECK(row.integer(0) == 1);
 }
 
-TEST_CASE("ticks that come slowly are saved by the clock, not by their number", "[store][law]") {
+TEST_CASE("ticks that come slowly are saved by the clock, not by their number") {
     SmallSession session;
     const std::string file = session.folder.file("a.sqlite");
     data::AsyncRecorder recorder(session.recorder, 5ms);
@@ -173,7 +172,7 @@ TEST_CASE("ticks that come slowly are saved by the clock, not by their number", 
     CHECK(data::TraceReader(session.database).read(id).size() == 5);
 }
 
-TEST_CASE("the log and its index are as private as the file", "[store][law]") {
+TEST_CASE("the log and its index are as private as the file") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
@@ -184,7 +183,7 @@ TEST_CASE("the log and its index are as private as the file", "[store][law]") {
     }
 }
 
-TEST_CASE("a disk without room for the session refuses it with what it needs", "[store][law]") {
+TEST_CASE("a disk without room for the session refuses it with what it needs") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const Database database(file, Access::write);
@@ -206,8 +205,7 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
                       Has("is not known"));
 }
 
-TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",
-          "[store][chain][law]") {
+TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own") {
     SmallSession small;
     Database& database = small.database;
     const std::int64_t session = small.id;
@@ -291,8 +289,7 @@ bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
 
 }  // namespace
 
-TEST_CASE("after one lost append nothing is stored any more, and every call says so",
-          "[store][law]") {
+TEST_CASE("after one lost append nothing is stored any more, and every call says so") {
     EACH(failing, 1, 2, 7, 20);
     constexpr std::int64_t kParts = 20;
     DiskWithHiccup disk(failing);

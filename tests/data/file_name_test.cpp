@@ -56,8 +56,7 @@ std::int64_t rows_of(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("somebody's database with a log beside it is refused, and both stay byte for byte",
-          "[store][law]") {
+TEST_CASE("somebody's database with a log beside it is refused, and both stay byte for byte") {
     const bool checkpointed = GENERATE(true, false);
     const Access access = GENERATE(Access::write, Access::read);
     CAPTURE(checkpointed, access == Access::write);
@@ -74,7 +73,7 @@ TEST_CASE("somebody's database with a log beside it is refused, and both stay by
     CHECK(rows_of(file) == 3);
 }
 
-TEST_CASE("a file of somebody's is refused and stays, however small it is", "[store][law]") {
+TEST_CASE("a file of somebody's is refused and stays, however small it is") {
     const TemporaryFolder folder;
     const std::string file = folder.file("note");
     for (const std::size_t size : {1U, 2U, 15U, 16U, 99U, 100U, 101U, 512U, 4096U}) {
@@ -87,8 +86,7 @@ TEST_CASE("a file of somebody's is refused and stays, however small it is", "[st
     CHECK(folder.names() == Words{"note"});
 }
 
-TEST_CASE("a database has the name it was given, whatever that name means to SQLite",
-          "[store][law]") {
+TEST_CASE("a database has the name it was given, whatever that name means to SQLite") {
     const std::string name =
         GENERATE(as<std::string>(), ":memory:", "file:a.sqlite", "file:b?mode=memory",
                  "file::memory:?cache=shared", "-c", "a b.sqlite", "%41.sqlite", "a?immutable=1");
@@ -105,8 +103,7 @@ TEST_CASE("a database has the name it was given, whatever that name means to SQL
     CHECK(row.text(0) == "P1");
 }
 
-TEST_CASE("a database without a name is refused with a sentence, and leaves nothing",
-          "[store][law]") {
+TEST_CASE("a database without a name is refused with a sentence, and leaves nothing") {
     const Access access = GENERATE(Access::write, Access::read);
     const TemporaryFolder folder;
     const WorkingFolder here(folder.path());
@@ -114,7 +111,7 @@ TEST_CASE("a database without a name is refused with a sentence, and leaves noth
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("a folder in place of a database is called a folder", "[store]") {
+TEST_CASE("a folder in place of a database is called a folder") {
     const Access access = GENERATE(Access::write, Access::read);
     const TemporaryFolder folder;
     CHECK_THROWS_WITH(Database(folder.path().string(), access), Has("is a folder"));

@@ -36,7 +36,7 @@ void shuffle(Words& files, Random& random) {
 TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
-    "[long][merge][law]") {
+    "[long]") {
     SEED(5U);
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
@@ -65,8 +65,7 @@ TEST_CASE(
     CHECK(content_of(stepwise) == expected);
 }
 
-TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged",
-          "[merge][law]") {
+TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged") {
     for (const auto& [table, column] :
          {std::pair{"response", "reaction_s"}, std::pair{"trial", "done_s"},
           std::pair{"trace_chunk", "data"}, std::pair{"plan", "mu_s"}, std::pair{"event", "text"},
@@ -92,7 +91,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
     }
 }
 
-TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
+TEST_CASE("a trial keeps its id when its session goes on") {
     SEED(3U);
     MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");
@@ -110,8 +109,7 @@ TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
 }
 
 TEST_CASE(
-    "a session that two files tell differently is named with both, and nothing of it is merged",
-    "[merge][law]") {
+    "a session that two files tell differently is named with both, and nothing of it is merged") {
     EACH(column, "session SET device = 'other'", "plan SET mu_s = mu_s + 1",
          "trial SET done_s = 99.0", "trial SET plan_position = 5", "response SET reaction_s = 99.0",
          "trace_chunk SET data = x'00'", "event SET text = 'other'",
@@ -155,8 +153,7 @@ TEST_CASE(
     CHECK(row.text(0) == "P07");
 }
 
-TEST_CASE("of a session that two files tell differently the preferred file's is taken",
-          "[merge][law]") {
+TEST_CASE("of a session that two files tell differently the preferred file's is taken") {
     const TemporaryFolder folder;
     const Rig rig(folder.file("a.sqlite"), "P01", 1);
     const std::string other = copy_of(rig.file(), folder, 1);
@@ -178,8 +175,7 @@ TEST_CASE("of a session that two files tell differently the preferred file's is 
 }
 
 TEST_CASE(
-    "one study, participant and number under two uuids is a conflict, and what was there stays",
-    "[merge][law]") {
+    "one study, participant and number under two uuids is a conflict, and what was there stays") {
     const TemporaryFolder folder;
     const Rig a(folder.file("a.sqlite"), "P01", 1);
     const Rig b(folder.file("b.sqlite"), "P01", 1);
@@ -194,8 +190,7 @@ TEST_CASE(
 
 TEST_CASE(
     "what one file knows of a participant fills what the other does not, of two notes the newest "
-    "is kept, and of one time they are a conflict",
-    "[merge][law]") {
+    "is kept, and of one time they are a conflict") {
     const TemporaryFolder folder;
     const Rig a(folder.file("a.sqlite"), "P01", 1);
     const Rig b(folder.file("b.sqlite"), "P01", 2);
@@ -249,7 +244,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
+TEST_CASE("every row of every table arrives in a merged file") {
     MergeWorld world(99);
     const std::string out = world.folder.file("out.sqlite");
     (void)data::merge_files(out, world.last);
@@ -271,8 +266,7 @@ TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
     }
 }
 
-TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked",
-          "[merge][law]") {
+TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked") {
     const TemporaryFolder folder;
     const auto run = [&folder](const char* participant, const char* file) {
         ran(run_words("shape_friction_demo", participant, folder.file(file), {"--headless"}));
@@ -286,8 +280,7 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
     CHECK_THAT(ran({"verify", out}).out, Has("3 sessions"));
 }
 
-TEST_CASE("merges at once into a file that is not there bring what one after the other would",
-          "[merge][law]") {
+TEST_CASE("merges at once into a file that is not there bring what one after the other would") {
     const TemporaryFolder folder;
     Words files;  // each with a secret of its own
     for (const char who : {'1', '2', '3', '4'}) {

@@ -109,8 +109,8 @@ void check_last_ticks(FeltRun& run) {
 
 }  // namespace
 
-TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end",
-          "[session][fault][law]") {
+TEST_CASE(
+    "Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end") {
     FeltRun run(held_protocol());
     class Watching : public Acting {
     public:
@@ -137,8 +137,7 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
           "go on after stopped \n");
 }
 
-TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again",
-          "[session][fault][law]") {
+TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again") {
     FeltRun run(held_protocol());
     Acting observer([&] { run.apparatus.hold(false); });
     observer.before_trial = [&] {
@@ -150,8 +149,7 @@ TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is
     CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
 }
 
-TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial",
-          "[session][fault]") {
+TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial") {
     FeltRun run(held_protocol());
     class Headless : public Acting {
     public:
@@ -168,7 +166,7 @@ TEST_CASE("whoever does not hold the key again gets no force at all, trial after
           "let_go 100 \nlet_go 1 \nlet_go 1 \n");
 }
 
-TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault]") {
+TEST_CASE("without a dead-man key nobody has to hold anything") {
     Protocol protocol = held_protocol();
     protocol.safety.dead_man = false;
     FeltRun run(protocol);
@@ -177,8 +175,7 @@ TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault
     CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
 }
 
-TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end",
-          "[session][fault][law]") {
+TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end") {
     class Still : public engine::Device {
     public:
         engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
@@ -251,8 +248,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
-          "[session][desk][law]") {
+TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark") {
     SEED(4ULL);
     Protocol protocol = short_protocol();
     protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
@@ -323,7 +319,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk][law]") {
+TEST_CASE("a mark in a break is kept and answered in the break") {
     SmallSession session(short_protocol());
     Database& database = session.database;
     World world;

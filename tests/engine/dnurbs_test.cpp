@@ -258,8 +258,7 @@ Energy energy_of(const Dnurbs& curve, const std::vector<Vec2>& q, const std::vec
 
 }  // namespace
 
-TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 36 beta))",
-          "[deformation]") {
+TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 36 beta))") {
     // Both free points move alike by q: C moves by 3 u (1 - u) q, whose derivatives are 3 (1 - 2u)
     // q and -6 q.
     Random random(1);
@@ -277,8 +276,7 @@ TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 
 }
 
 TEST_CASE(
-    "a curve rests where an independent method says, whatever degree, knots, weights and load",
-    "[deformation][law]") {
+    "a curve rests where an independent method says, whatever degree, knots, weights and load") {
     double worst_polynomial = 0.0;
     double worst_rational = 0.0;
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
@@ -297,8 +295,7 @@ TEST_CASE(
     CHECK(worst_rational < 1e-11);
 }
 
-TEST_CASE("a step of 1 ms is within 2e-3 of the motion, and half of it is four times as near",
-          "[deformation][law]") {
+TEST_CASE("a step of 1 ms is within 2e-3 of the motion, and half of it is four times as near") {
     const DnurbsSpec spec = bow();
     const Dnurbs curve(spec);
     for (const double u : {0.5, 0.3}) {
@@ -311,8 +308,7 @@ TEST_CASE("a step of 1 ms is within 2e-3 of the motion, and half of it is four t
     }
 }
 
-TEST_CASE("a motion keeps its books: energy held is work done less what damping took",
-          "[deformation][law]") {
+TEST_CASE("a motion keeps its books: energy held is work done less what damping took") {
     SEEDED(random, std::uint64_t{40});
     const Dnurbs curve(random_curve(random, random.coin()));
     DnurbsMotion motion(curve, random.decade(-4.0, -1.0));
@@ -345,8 +341,8 @@ TEST_CASE("a motion keeps its books: energy held is work done less what damping 
 }
 
 TEST_CASE(
-    "a motion under a steady force comes to rest at the equilibrium, and a step allocates nothing",
-    "[deformation]") {
+    "a motion under a steady force comes to rest at the equilibrium, and a step allocates "
+    "nothing") {
     const Dnurbs curve(bow());
     DnurbsMotion motion(curve, 1e-3);
     const BasisAt where = curve.basis(0.3);
@@ -358,8 +354,7 @@ TEST_CASE(
     CHECK(relative_error(motion.displacements(), curve.equilibrium(0.3, {0.5, -1.0})) < 1e-9);
 }
 
-TEST_CASE("the slowest motion of a bow is the one that its closed form says",
-          "[deformation][law]") {
+TEST_CASE("the slowest motion of a bow is the one that its closed form says") {
     SEEDED(random, 20U, 2908U);
     DnurbsSpec spec = bow();
     spec.alpha = random.decade(-2.0, 2.0);
@@ -375,8 +370,7 @@ TEST_CASE("the slowest motion of a bow is the one that its closed form says",
     CHECK(Dnurbs(spec).slowest_motion() == 0.0);
 }
 
-TEST_CASE("a curve that cannot be, or that nothing holds, is refused with what to do",
-          "[deformation]") {
+TEST_CASE("a curve that cannot be, or that nothing holds, is refused with what to do") {
     const auto refused = [](const char* words, const auto& change) {
         DnurbsSpec spec = bow();
         change(spec);

@@ -67,8 +67,7 @@ Honest honest(Random& random, bool vertex_slew) {
 
 }  // namespace
 
-TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer",
-          "[safety][law]") {
+TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer") {
     SEEDED(random, std::uint64_t{150});
     const auto [scene, limits] = honest(random, false);
     ContactState contact;
@@ -86,7 +85,7 @@ TEST_CASE("a sampled spring with friction, cut and ramped, never raises the ener
     }
 }
 
-TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
+TEST_CASE("honest renderings never trip the energy observer") {
     // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
     // counts.
     SEEDED(random, std::uint64_t{60});
@@ -114,8 +113,7 @@ TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
     CHECK((state.trip == Trip::none));
 }
 
-TEST_CASE("a force that follows the motion trips before it gave the limit and a tick",
-          "[safety][law]") {
+TEST_CASE("a force that follows the motion trips before it gave the limit and a tick") {
     SEED(std::uint64_t{20});
     EACH(linear, true, false);  // -b v with b < 0, or of one size along v
     Random random(seed);
@@ -194,8 +192,7 @@ Trip against(const Wall& wall) {
 
 }  // namespace
 
-TEST_CASE("a wall within the passivity bound runs for ever, one rendered from old readings trips",
-          "[safety]") {
+TEST_CASE("a wall within the passivity bound runs for ever, one rendered from old readings trips") {
     // K T (1/2 + d): 0.5 N s/m without delay, 1.5 with one tick.
     CHECK((against({.damping = 0.55}) == Trip::none));
     CHECK((against({.damping = 1.6, .delay = 1}) == Trip::none));
@@ -204,7 +201,7 @@ TEST_CASE("a wall within the passivity bound runs for ever, one rendered from ol
     CHECK((against({.lag = 4}) == Trip::energy));
 }
 
-TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
+TEST_CASE("a spring of the wrong sign is caught") {
     const SafetyLimits limits{.ramp_step = 1.0, .energy = kLimit};
     SafetyState state;
     double depth = 0.0;
@@ -221,7 +218,7 @@ TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
     CHECK(depth == Approx(0.010).margin(2e-4));
 }
 
-TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]") {
+TEST_CASE("the cut spring stores what its force does on the way") {
     const double stiffness = GENERATE(100.0, 1000.0, 4000.0);
     const double max = GENERATE(1.0, 10.0);
     double sum = 0.0;
@@ -232,7 +229,7 @@ TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]
     }
 }
 
-TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "[safety]") {
+TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks") {
     SafetyLimits limits{.max_force = 1e3, .ramp_step = 1.0, .energy = 1e6, .stiffness = 1e-9};
     limits.delay_ticks = 2.25;
     EnergyObserver observer;
@@ -245,8 +242,8 @@ TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "
           Approx(0.75 * 4.0 * 1e-3).epsilon(1e-9));
 }
 
-TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever hand and friction",
-          "[rendering][law]") {
+TEST_CASE(
+    "no episode of contact gives more energy than sampling leaks, whatever hand and friction") {
     SEEDED(random, 60U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const double mu_d = random.in(0.0, 1.0);
@@ -268,7 +265,7 @@ TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever
     CHECK(ledger.worst() <= 1e-12);
 }
 
-TEST_CASE("friction that pushes with the motion shows in the ledger", "[rendering]") {
+TEST_CASE("friction that pushes with the motion shows in the ledger") {
     EnergyLedger<2> ledger(1000.0);
     for (int i = 0; i <= 100; ++i) {  // 2 N along a stroke of 10 mm
         ledger.add({1e-4 * i, -0.001}, {2.0, 1.0}, i > 0 && i < 100);
@@ -278,8 +275,7 @@ TEST_CASE("friction that pushes with the motion shows in the ledger", "[renderin
     CHECK(ledger.worst() == Approx(99 * 2e-4 - 100 * 5e-6).epsilon(1e-9));
 }
 
-TEST_CASE("a contact that begins with HIP inside starts with the energy of its first stretch",
-          "[rendering]") {
+TEST_CASE("a contact that begins with HIP inside starts with the energy of its first stretch") {
     EnergyLedger<2> ledger(1000.0);
     ledger.add({0.0, -0.002}, {0.0, 2.0}, true);  // K/2 (2 mm)^2 = 2 mJ
     ledger.add({0.0, 0.0}, {0.0, 0.0}, false);    // gives 4 mJ, leaks 2 mJ

@@ -24,8 +24,7 @@ Friction random_friction(Random& random) {
 
 }  // namespace
 
-TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick",
-          "[friction][law]") {
+TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick") {
     SEEDED(random, std::uint64_t{60});
     const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
     const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
@@ -94,7 +93,7 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
 
 }  // namespace
 
-TEST_CASE("with vertex slew the force never steps by more than the bound", "[friction][law]") {
+TEST_CASE("with vertex slew the force never steps by more than the bound") {
     SEED(std::uint64_t{40});
     EACH(rate, 1000.0, 4000.0);
     const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
@@ -102,15 +101,14 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
     CHECK(steps_above_bound(scene, hand(seed, 1.0 / rate)) == 0);
 }
 
-TEST_CASE("round a shallow corner the force never steps by more than the bound",
-          "[friction][law]") {
+TEST_CASE("round a shallow corner the force never steps by more than the bound") {
     SEED(std::uint64_t{20});
     const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}, {0.1, -0.0404}}),
                       {.friction = kStudyFriction, .slew = kStudySlew});
     CHECK(steps_above_bound(scene, random_hand(seed, 4000, {-0.03, -0.012}, {0.03, 0.002})) == 0);
 }
 
-TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]") {
+TEST_CASE("a hand at rest is stuck, and its friction is held") {
     const Scene scene(stimuli::make_outline({.curvature = 5.0}),
                       {.friction = kStudyFriction, .slew = kStudySlew});
     ContactState state;
@@ -133,8 +131,7 @@ TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]"
     }
 }
 
-TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given",
-          "[friction][law]") {
+TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given") {
     const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kStudyFriction});
     ContactState state;
     const double depth = 0.003;
@@ -163,7 +160,7 @@ TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time c
     CHECK(worst < 1e-12);
 }
 
-TEST_CASE("friction off and friction with mu = 0 are the same renderer", "[friction][law]") {
+TEST_CASE("friction off and friction with mu = 0 are the same renderer") {
     const auto outline = stimuli::make_outline({.curvature = 5.0});
     const Scene none(outline, {.slew = kStudySlew});
     const Scene tiny(outline, {.friction = {.mu_s = 1e-300, .mu_d = 0.0}, .slew = kStudySlew});
@@ -174,7 +171,7 @@ TEST_CASE("friction off and friction with mu = 0 are the same renderer", "[frict
     }
 }
 
-TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D", "[friction][law]") {
+TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D") {
     Random random(4);
     for (int i = 0; i < 200; ++i) {
         const double angle = random.in(0.0, 6.28);
@@ -227,8 +224,7 @@ void stroke_on(const Scene& scene, const Stroke& stroke, double seconds, Each&& 
 // The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at
 // 0.1 m/s and above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu =
 // 0.23 at 0.05 m/s.
-TEST_CASE("a finger sliding on a concave, straight or convex side never jams and feels mu_d",
-          "[friction][law]") {
+TEST_CASE("a finger sliding on a concave, straight or convex side never jams and feels mu_d") {
     const double curvature = GENERATE(-kSagitta5mm, 0.0, kSagitta5mm);
     const double speed = GENERATE(0.02, 0.05, 0.1, 0.2);
     CAPTURE(curvature, speed);
@@ -327,7 +323,7 @@ std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
 
 }  // namespace
 
-TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too", "[friction][law]") {
+TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too") {
     constexpr double kDegree = std::numbers::pi / 180.0;
     const std::vector<Ride> rides{
         along_an_arc(),

@@ -113,8 +113,7 @@ PressedWall light_hand(double stiffness) {
 
 }  // namespace
 
-TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never",
-          "[safety][law]") {
+TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never") {
     SEEDED(random, std::uint64_t{200});
     const double phase = random.in(0.0, 6.28);
     const double period = 1e-3 / (1 + random.below(4));
@@ -129,14 +128,13 @@ TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a 
     CHECK(found_at(hz, 0.9 * kBuzzSwing - 2.0 * step, phase, period, step) < 0.0);
 }
 
-TEST_CASE("tremor and taps of a hand are no buzz", "[safety]") {
+TEST_CASE("tremor and taps of a hand are no buzz") {
     CHECK(found_at(12.0, 0.0003, 0.0, 1e-3, 1e-5) < 0.0);  // the widest tremor
     CHECK(found_at(8.0, 0.010, 0.0, 1e-3, 1e-4) < 0.0);    // the quickest taps
     CHECK(found_at(18.0, 0.0035, 0.0, 1e-3, 1e-4) > 0.0);  // 0.14 m/s rms: seen on a bench
 }
 
-TEST_CASE("a stiff wall under a light hand on a light handle is ended within half a second",
-          "[safety][law]") {
+TEST_CASE("a stiff wall under a light hand on a light handle is ended within half a second") {
     SEEDED(random, std::uint64_t{40});
     PressedWall wall = light_hand(1000.0);
     if (seed > 0) {  // the bench's own case, and what is near it
@@ -151,7 +149,7 @@ TEST_CASE("a stiff wall under a light hand on a light handle is ended within hal
     CHECK(course.command == 0.0);
 }
 
-TEST_CASE("a press at 200 N/m never buzzes, however the handle is held", "[safety][law]") {
+TEST_CASE("a press at 200 N/m never buzzes, however the handle is held") {
     SEEDED(random, std::uint64_t{60});
     PressedWall wall = light_hand(200.0);
     if (seed > 0) {
@@ -166,7 +164,7 @@ TEST_CASE("a press at 200 N/m never buzzes, however the handle is held", "[safet
     CHECK((wall.run(3.0).trip == Trip::none));
 }
 
-TEST_CASE("a wall that is damped enough rings when it is struck, and is let be", "[safety][law]") {
+TEST_CASE("a wall that is damped enough rings when it is struck, and is let be") {
     SEEDED(random, std::uint64_t{60});
     PressedWall wall = light_hand(1000.0);
     wall.handle = random.in(0.05, 0.3);
@@ -213,8 +211,7 @@ PressedWall pressed(const Machine& machine, const Vec2& side, double hand, doubl
 
 }  // namespace
 
-TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full",
-          "[safety][law]") {
+TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full") {
     SEEDED(random, std::uint64_t{40});
     // Of a light hand to one that just gives way: 200 N/m pull against it.
     const double hand = seed == 0 ? 60.0 : random.in(50.0, 180.0);
@@ -227,8 +224,7 @@ TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is 
     }
 }
 
-TEST_CASE("a reversed or swapped motor is found on one side of an object at least",
-          "[safety][law]") {
+TEST_CASE("a reversed or swapped motor is found on one side of an object at least") {
     SEEDED(random, std::uint64_t{40});
     const double hand = seed == 0 ? 60.0 : random.in(50.0, 120.0);
     for (const Machine& machine : {kFirst, kSecond, kSwapped}) {
@@ -241,8 +237,7 @@ TEST_CASE("a reversed or swapped motor is found on one side of an object at leas
     }
 }
 
-TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses",
-          "[safety][law]") {
+TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses") {
     SEEDED(random, std::uint64_t{60});
     PressedWall wall = pressed(Machine{Vec2{1.0, 0.0}, Vec2{0.0, 1.0}}, {0.0, 1.0},
                                random.in(60.0, 600.0), random.in(0.0, 0.04));
@@ -271,8 +266,7 @@ bool trips(double came, double on, double at, bool full = true) {
 
 }  // namespace
 
-TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway",
-          "[safety][law]") {
+TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway") {
     SEEDED(random, std::uint64_t{100});
     const double came = random.in(0.03, 0.5);
     const double count = 0.0002 / kRunawayStretch;  // of either end, m/s

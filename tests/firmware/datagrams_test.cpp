@@ -167,7 +167,7 @@ TEST_CASE("bodies go without frames over a link of datagrams, and its guard know
 
 TEST_CASE(
     "datagrams that are lost, doubled or late never leave a force on, nor bring an old reading",
-    "[open][law]") {
+    "[open]") {
     int fresh = 0;
     int faults = 0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -221,7 +221,7 @@ TEST_CASE(
     CHECK(faults > 30);
 }
 
-TEST_CASE("a datagram is answered by the firmware as the same body in a frame is", "[open][law]") {
+TEST_CASE("a datagram is answered by the firmware as the same body in a frame is", "[open]") {
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
     Random random(31);
@@ -323,8 +323,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("a stranger's datagrams never become those of the host, nor give a torque",
-          "[open][law]") {
+TEST_CASE("a stranger's datagrams never become those of the host, nor give a torque", "[open]") {
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
     OpenBoard board = OnHost::make(plant, machine);

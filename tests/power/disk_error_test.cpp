@@ -67,8 +67,7 @@ std::string content_of_unbroken(const data::SessionSpec& spec) {
 
 TEST_CASE(
     "a disk that others fill during a trial costs no tick and no answer of it, and the session "
-    "ends after it",
-    "[power][law]") {
+    "ends after it") {
     EACH(adaptive, false, true);
     EACH(on_a_thread, false, true);
     EACH(when, range(0, 4));
@@ -100,8 +99,7 @@ TEST_CASE(
     CHECK(count(database, "trial WHERE outcome = 'interrupted'") == 0);
 }
 
-TEST_CASE("a call that the disk refuses at any moment loses nothing that was said to be saved",
-          "[power][law]") {
+TEST_CASE("a call that the disk refuses at any moment loses nothing that was said to be saved") {
     const int error = GENERATE(EIO, ENOSPC);
     const bool for_good = GENERATE(false, true);
     CAPTURE(error, for_good);

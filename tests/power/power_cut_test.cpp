@@ -94,24 +94,22 @@ void cut_everywhere(const TemporaryFolder& folder,
 TEST_CASE(
     "a power cut at any write leaves a sound file with all that was said to be saved, and the "
     "session goes on to the same answers",
-    "[long][power][law]") {
+    "[long]") {
     cut_everywhere(TemporaryFolder(), short_session(false), {}, 3, 0);
 }
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
-          "[long][power][law]") {
+          "[long]") {
     cut_everywhere(TemporaryFolder(), short_session(true), {}, 10, 0);
 }
 
-TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved",
-          "[power][law]") {
+TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved") {
     const bool adaptive = GENERATE(false, true);
     cut_everywhere(TemporaryFolder(), short_session(adaptive), data::AsyncRecorder::kSaveOften, 16,
                    1);
 }
 
-TEST_CASE("a second power cut, after a session went on from the first, loses nothing either",
-          "[power][law]") {
+TEST_CASE("a second power cut, after a session went on from the first, loses nothing either") {
     const auto spec = short_session(false);
     const TemporaryFolder first;
     WatchedDisk disk(first.path());

@@ -14,8 +14,7 @@ const std::string kStudy = short_text("shape_friction");
 
 }  // namespace
 
-TEST_CASE("what a study has without saying so changes no hash, and what it says does",
-          "[protocol][law]") {
+TEST_CASE("what a study has without saying so changes no hash, and what it says does") {
     const Protocol plain = parse_protocol(kStudy, "p");
     CHECK(to_toml(plain).find("instructions") == std::string::npos);
     const std::string hash = protocol_hash(plain);
@@ -26,8 +25,7 @@ TEST_CASE("what a study has without saying so changes no hash, and what it says 
               parse_protocol(kStudy + "[instructions.tr]\nwelcome = \"Merhaba\"\n", "p")) != hash);
 }
 
-TEST_CASE("instructions are read by language, with their line breaks, and written so",
-          "[protocol]") {
+TEST_CASE("instructions are read by language, with their line breaks, and written so") {
     const Protocol protocol = parse_protocol(
         kStudy +
             "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
@@ -44,14 +42,14 @@ TEST_CASE("instructions are read by language, with their line breaks, and writte
     CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
 }
 
-TEST_CASE("masking noise is read with its level", "[protocol]") {
+TEST_CASE("masking noise is read with its level") {
     const Protocol protocol =
         parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
     CHECK(protocol.masking == MaskingSpec{.noise = Noise::pink, .level_db = -24.5});
     CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
 }
 
-TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more", "[protocol]") {
+TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more") {
     const auto said = [](const std::string& end) {
         return refusal(kStudy + "[instructions.en]\nend = \"" + end + "\"\n");
     };
@@ -79,8 +77,7 @@ engine::Vec3 near(const StartGate& gate, tests::Random& random, double reach) {
 
 }  // namespace
 
-TEST_CASE("a trial begins within the radius of the start, and nowhere without a place",
-          "[gate][law]") {
+TEST_CASE("a trial begins within the radius of the start, and nowhere without a place") {
     const StartGate gate(shipped(GENERATE("shape_friction", "patch_friction")));
     CHECK(gate.lets_begin(gate.start()));
     tests::Random random(3);
@@ -95,8 +92,7 @@ TEST_CASE("a trial begins within the radius of the start, and nowhere without a 
     }
 }
 
-TEST_CASE("inside of any object of the study no trial begins, however wide the gate",
-          "[gate][law]") {
+TEST_CASE("inside of any object of the study no trial begins, however wide the gate") {
     Protocol protocol = shipped(GENERATE("shape_friction", "patch_friction"));
     protocol.apparatus.start_radius = 0.060;
     const StartGate gate(protocol);
@@ -121,7 +117,7 @@ TEST_CASE("inside of any object of the study no trial begins, however wide the g
     CHECK(inside > 20);
 }
 
-TEST_CASE("a gate that a protocol leaves out is open everywhere", "[gate][law]") {
+TEST_CASE("a gate that a protocol leaves out is open everywhere") {
     Protocol protocol = shipped("shape_friction");
     protocol.apparatus.start_radius = 0.0;
     CHECK(StartGate(protocol).lets_begin({std::nan(""), 1.0, 0.0}));

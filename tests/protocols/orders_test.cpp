@@ -21,7 +21,7 @@ Order repaired(Order order, const RunLimits& limits, Pcg32& random) {
 
 }  // namespace
 
-TEST_CASE("every order has each trial exactly once and keeps the run limits", "[order][law]") {
+TEST_CASE("every order has each trial exactly once and keeps the run limits") {
     SEED(std::uint64_t{200});
     Pcg32 random(seed, 5);
     const Order trials = factorial_of(5, 2, 10);
@@ -36,7 +36,7 @@ TEST_CASE("every order has each trial exactly once and keeps the run limits", "[
 }
 
 // What tells uniform orders of every way of drawing (order_counter_test.cpp) is able to fail.
-TEST_CASE("repair by swaps is not uniform over all admissible orders", "[order]") {
+TEST_CASE("repair by swaps is not uniform over all admissible orders") {
     const Order trials = factorial_of(2, 2, 2);
     const RunLimits limits{.object = 2, .friction = 2};
     const auto orders = admissible(trials, limits);
@@ -46,7 +46,7 @@ TEST_CASE("repair by swaps is not uniform over all admissible orders", "[order]"
     CHECK(excess > 50.0);
 }
 
-TEST_CASE("the cheap test refuses exactly what one factor cannot keep", "[order][law]") {
+TEST_CASE("the cheap test refuses exactly what one factor cannot keep") {
     for (std::size_t first = 0; first <= 5; ++first) {
         for (std::size_t second = 0; second <= 4; ++second) {
             for (std::size_t limit = 1; limit <= 4; ++limit) {
@@ -61,7 +61,7 @@ TEST_CASE("the cheap test refuses exactly what one factor cannot keep", "[order]
     }
 }
 
-TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
+TEST_CASE("limits that cannot be kept are refused with a reason") {
     Pcg32 random(1, 1);
     CHECK_THROWS_WITH(
         OrderSampler(factorial_of(1, 1, 3), {.object = 2, .friction = 0}).draw(random),
@@ -77,7 +77,7 @@ TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
                       Has("allow runs"));
 }
 
-TEST_CASE("no limits: the first shuffle is taken", "[order]") {
+TEST_CASE("no limits: the first shuffle is taken") {
     Pcg32 random(9, 9);
     CHECK(OrderSampler(factorial_of(1, 1, 30), {}).draw(random).attempts == 1);
     CHECK(OrderSampler({}, {.object = 1, .friction = 1}).draw(random).order.empty());
@@ -146,7 +146,7 @@ bool backtracking(std::size_t k,
 
 }  // namespace
 
-TEST_CASE("a first-order balanced sequence has every ordered pair once", "[eulerian][law]") {
+TEST_CASE("a first-order balanced sequence has every ordered pair once") {
     EACH(k, range(std::size_t{1}, std::size_t{25}));
     Pcg32 random(k, 9);
     const Sequence sequence = eulerian_order(k, random);
@@ -162,8 +162,8 @@ TEST_CASE("a first-order balanced sequence has every ordered pair once", "[euler
 
 // BEST: circuits = k^(k-2) trees * (k-1)!^k; each opens at k^2 places, of which k begin with a
 // given symbol. k = 2: 1 * 1 = 1 circuit, 4 sequences. k = 3: 3 * 8 = 24 circuits, 216 sequences.
-TEST_CASE("first-order balanced sequences are uniform over all, as many as the BEST theorem counts",
-          "[eulerian][law]") {
+TEST_CASE(
+    "first-order balanced sequences are uniform over all, as many as the BEST theorem counts") {
     const std::size_t k = GENERATE(std::size_t{2}, std::size_t{3});
     const auto all = all_sequences(k);
     CHECK(all.size() == (k == 2 ? 4 : 216));
@@ -172,7 +172,7 @@ TEST_CASE("first-order balanced sequences are uniform over all, as many as the B
                                          [&] { return eulerian_order(k, random); })) < 4.0);
 }
 
-TEST_CASE("a walk that backs out of dead ends fails the same test", "[eulerian]") {
+TEST_CASE("a walk that backs out of dead ends fails the same test") {
     const auto all = all_sequences(3);
     Pcg32 random(5, 3);
     const double excess = excess_of_chi_square(all, 300 * all.size(), [&] {
@@ -184,14 +184,14 @@ TEST_CASE("a walk that backs out of dead ends fails the same test", "[eulerian]"
     CHECK(excess > 50.0);
 }
 
-TEST_CASE("a sequence of no symbols is empty, and of too many refused", "[eulerian]") {
+TEST_CASE("a sequence of no symbols is empty, and of too many refused") {
     Pcg32 random(1, 1);
     CHECK(eulerian_order(0, random).empty());
     CHECK_THROWS_AS(eulerian_order(kMaxSymbols + 1, random), std::invalid_argument);
 }
 
 // FIPS 180-4 and its example values (NIST, "Examples with intermediate values": SHA-256).
-TEST_CASE("SHA-256 gives the published digests", "[hash]") {
+TEST_CASE("SHA-256 gives the published digests") {
     CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     CHECK(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
@@ -200,7 +200,7 @@ TEST_CASE("SHA-256 gives the published digests", "[hash]") {
           "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST_CASE("a stream is the hash of its key's text", "[random]") {
+TEST_CASE("a stream is the hash of its key's text") {
     const StreamKey key{.protocol_hash = "abcd",
                         .participant = "p01",
                         .session = 2,
@@ -218,7 +218,7 @@ TEST_CASE("a stream is the hash of its key's text", "[random]") {
     CHECK(stream(key) == expected);
 }
 
-TEST_CASE("keys that differ anywhere have different texts and streams", "[random][law]") {
+TEST_CASE("keys that differ anywhere have different texts and streams") {
     const StreamKey key{.protocol_hash = "h", .participant = "p", .purpose = "catch"};
     std::vector<StreamKey> keys(8, key);
     keys[1].protocol_hash = std::string("i");

@@ -49,7 +49,7 @@ Protocol three_objects() {
 
 }  // namespace
 
-TEST_CASE("people are drawn with the spread that an observer file says", "[observer][law]") {
+TEST_CASE("people are drawn with the spread that an observer file says") {
     ObserverModel model;
     model.typical = {
         .noise = 2.0, .lapse = 0.1, .force_weight = 0.5, .bias_per_mu = 3.0, .noise_mu = 0.1};
@@ -81,8 +81,8 @@ TEST_CASE("people are drawn with the spread that an observer file says", "[obser
     check_spread(spread([](const Person& p) { return std::log(p.hand.press); }), 0.0, 0.05);
 }
 
-TEST_CASE("without a spread everybody is the typical one, and a person is the same in all sessions",
-          "[observer][law]") {
+TEST_CASE(
+    "without a spread everybody is the typical one, and a person is the same in all sessions") {
     ObserverModel model = typical_observer();
     StreamKey key = key_of(7);
     const Person first = drawn_person(model, key);
@@ -101,8 +101,7 @@ TEST_CASE("without a spread everybody is the typical one, and a person is the sa
     CHECK(drawn_person(model, key_of(8)) == all);
 }
 
-TEST_CASE("the noise of a percept is learned away and grows with felt friction",
-          "[observer][law]") {
+TEST_CASE("the noise of a percept is learned away and grows with felt friction") {
     SEEDED(random, 50U);
     Person person;
     person.spec.noise = random.in(0.1, 5.0);
@@ -130,7 +129,7 @@ TEST_CASE("the noise of a percept is learned away and grows with felt friction",
     CHECK_FALSE(percept_mean(person, {}));
 }
 
-TEST_CASE("a person's own bias and noise decide the answers", "[observer][law]") {
+TEST_CASE("a person's own bias and noise decide the answers") {
     const Protocol protocol = three_objects();
     const std::vector<Picture> pictures(3);
     Person person{.spec = {.noise = 3.0, .lapse = 0.0, .force_weight = 0.5}};
@@ -151,8 +150,7 @@ TEST_CASE("a person's own bias and noise decide the answers", "[observer][law]")
     CHECK(convex / kTrials == Approx(0.4338).margin(4.0 * std::sqrt(0.4338 * 0.5662 / kTrials)));
 }
 
-TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up to a session",
-          "[observer][law]") {
+TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up to a session") {
     const Protocol protocol = three_objects();
     const std::vector<Picture> pictures(3);
     Person person;
@@ -175,8 +173,7 @@ TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up
     CHECK(who.time_s() == Approx(time));
 }
 
-TEST_CASE("an observer file says what it means: read, written and read again it is the same",
-          "[observer][law]") {
+TEST_CASE("an observer file says what it means: read, written and read again it is the same") {
     CHECK(parse_observer(observer_example(), "example") == typical_observer());
     CHECK(parse_observer("format = 1\n", "empty") == ObserverModel{});
     CHECK(load_observer("typical") == typical_observer());
@@ -196,7 +193,7 @@ TEST_CASE("an observer file says what it means: read, written and read again it 
     CHECK(parse_observer(observer_text(model), "text") == model);
 }
 
-TEST_CASE("what is wrong with an observer file is said with its line and column", "[observer]") {
+TEST_CASE("what is wrong with an observer file is said with its line and column") {
     const std::string text =
         "format = 1\n[observer]\nnoise_per_m = -2\nlaps = 1\n[people]\nnoise_sd_ln = \"a\"\n"
         "[persons]\n";
@@ -265,8 +262,7 @@ Sums sums_of(const JudgedPeople& people, std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("people who all judge alike are right as often as criteria midway say",
-          "[observer][law]") {
+TEST_CASE("people who all judge alike are right as often as criteria midway say") {
     const Protocol protocol = five_objects();
     ObserverModel model;
     model.typical.lapse = 0.1;
@@ -286,8 +282,8 @@ TEST_CASE("people who all judge alike are right as often as criteria midway say"
     CHECK(sums.with / sums.trials == Approx(share(5.24)).margin(0.02));
 }
 
-TEST_CASE("whoever is judged has practised as a session asks for, and learns from one to the next",
-          "[observer][law]") {
+TEST_CASE(
+    "whoever is judged has practised as a session asks for, and learns from one to the next") {
     EACH(practice, 0U, 1U, 5U);
     Protocol protocol = five_objects();
     protocol.design.practice_repetitions = practice;
@@ -306,8 +302,7 @@ TEST_CASE("whoever is judged has practised as a session asks for, and learns fro
     CHECK(people.person(1, 0, 0).share_without == Approx(expected).margin(0.03));
 }
 
-TEST_CASE("an effect in log odds is that effect for every person, and none is none",
-          "[observer][law]") {
+TEST_CASE("an effect in log odds is that effect for every person, and none is none") {
     EACH(mean, -1.0, -0.3, 0.0, 0.5);
     const Protocol protocol = five_objects();
     ObserverModel model = typical_observer();
@@ -322,8 +317,7 @@ TEST_CASE("an effect in log odds is that effect for every person, and none is no
     CHECK((sums.with - sums.without) / sums.trials == Approx(sums.expected).margin(0.014));
 }
 
-TEST_CASE("people who differ by 0.8 logit without an effect have none on average, as a share",
-          "[observer][law]") {
+TEST_CASE("people who differ by 0.8 logit without an effect have none on average, as a share") {
     const Protocol protocol = five_objects();
     const JudgedPeople people(protocol, typical_observer(), exact_hands(protocol), kPair,
                               LogitEffect{.mean = 0.0, .sd = 0.8, .in_shares = true});
@@ -337,7 +331,7 @@ TEST_CASE("people who differ by 0.8 logit without an effect have none on average
     CHECK(sums_of(people, 2000).expected == Approx(0.0).margin(0.015));
 }
 
-TEST_CASE("a judged person is the same whoever was asked for before", "[observer][law]") {
+TEST_CASE("a judged person is the same whoever was asked for before") {
     const Protocol protocol = five_objects();
     const JudgedPeople people(protocol, typical_observer(), exact_hands(protocol), kPair,
                               LogitEffect{.mean = -0.5, .sd = 0.3});

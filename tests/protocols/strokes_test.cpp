@@ -46,8 +46,7 @@ TickRecord tick_on(std::int64_t k, std::int16_t segment, double u) {
 
 }  // namespace
 
-TEST_CASE("coverage is the share of both arcs that the god-object went along",
-          "[exploration][law]") {
+TEST_CASE("coverage is the share of both arcs that the god-object went along") {
     SEED(40);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const double curvature = seed == 0 ? 0.0 : random.in(-20.0, 20.0);
@@ -77,8 +76,7 @@ TEST_CASE("coverage is the share of both arcs that the god-object went along",
     }
 }
 
-TEST_CASE("a hand that has been everywhere covers all, and one in the air nothing",
-          "[exploration][law]") {
+TEST_CASE("a hand that has been everywhere covers all, and one in the air nothing") {
     const auto outline = stimuli::make_outline({.curvature = GENERATE(-10.0, 0.0, 5.0)});
     OutlineCover cover(*outline);
     TickRecord free = tick_on(0, 0, 0.5);
@@ -91,7 +89,7 @@ TEST_CASE("a hand that has been everywhere covers all, and one in the air nothin
     CHECK(cover.share() == Approx(1.0).epsilon(1e-12));
 }
 
-TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
+TEST_CASE("deciles are the nearest ranks") {
     tests::Random random(static_cast<std::uint64_t>(GENERATE(range(0, 100))));
     std::vector<double> values(random.index(60));
     for (double& value : values) {
@@ -118,7 +116,7 @@ TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
     }
 }
 
-TEST_CASE("speeds are those of contact, stops and new slips are counted", "[exploration][law]") {
+TEST_CASE("speeds are those of contact, stops and new slips are counted") {
     SEED(30);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const engine::Scene scene = felt_scene(5.0);
@@ -159,8 +157,7 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted", "[expl
     CHECK(meter.normal_force().p90 == 2.0 * slow);
 }
 
-TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing",
-          "[exploration]") {
+TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing") {
     const engine::Scene scene = felt_scene(5.0);
     const ExplorationMeter meter(scene);
     CHECK(meter.speed().p90 == 0.0);
@@ -203,8 +200,7 @@ std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle,
 
 }  // namespace
 
-TEST_CASE("every sweep along the surface is one stroke, however the surface lies",
-          "[strokes][law]") {
+TEST_CASE("every sweep along the surface is one stroke, however the surface lies") {
     SEEDED(random, 60U);
     const int sweeps = 1 + random.below(12);
     const double amplitude = random.in(0.004, 0.05);
@@ -215,7 +211,7 @@ TEST_CASE("every sweep along the surface is one stroke, however the surface lies
     CHECK(strokes_of_sweeps(sweeps, 0.0024, angle, 0.0) == 0);  // 4.8 mm are none
 }
 
-TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][law]") {
+TEST_CASE("a bounce does not end a stroke, lifting the hand does") {
     EACH(off, 1, 50, 99, 100, 250);
     StrokeCounter counter;
     std::int64_t k = 0;
@@ -237,7 +233,7 @@ TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][la
     CHECK(counter.strokes() == (off + 1 > 100 ? 2 : 1));
 }
 
-TEST_CASE("the meter says speed in contact and time on each side of the vertex", "[strokes]") {
+TEST_CASE("the meter says speed in contact and time on each side of the vertex") {
     const engine::Scene scene = felt_scene(0.0);
     protocols::TrialMeter meter(1000.0, scene);
     std::vector<TickRecord> ticks;
@@ -285,8 +281,7 @@ double number(const protocols::Measure::Value& value) {
 
 }  // namespace
 
-TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains",
-          "[strokes][law]") {
+TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains") {
     EACH(seed, range(0, 30));
     tests::Random random(static_cast<std::uint64_t>(seed));
     const auto a = felt_at_random(random, seed % 3 != 1);

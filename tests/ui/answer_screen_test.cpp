@@ -43,8 +43,7 @@ constexpr Kind kKinds[] = {{ResponseKind::two_interval, 2},   {ResponseKind::yes
 
 }  // namespace
 
-TEST_CASE("every answer of every kind is given by its key, by its card, and by arrows and Enter",
-          "[screen][answers][law]") {
+TEST_CASE("every answer of every kind is given by its key, by its card, and by arrows and Enter") {
     const Kind kind = GENERATE(from_range(std::begin(kKinds), std::end(kKinds)));
     const Question asked = question(kind.kind, kind.answers);
     SubjectScreen screen(options());
@@ -96,8 +95,7 @@ TEST_CASE("every answer of every kind is given by its key, by its card, and by a
     }
 }
 
-TEST_CASE("cards of answers lie inside the window, apart from each other and in a row",
-          "[screen][answers][law]") {
+TEST_CASE("cards of answers lie inside the window, apart from each other and in a row") {
     const engine::Vec2 size = GENERATE(engine::Vec2{800.0, 600.0}, engine::Vec2{1280.0, 800.0},
                                        engine::Vec2{3840.0, 1080.0});
     for (std::size_t n = 2; n <= 9; ++n) {
@@ -116,8 +114,7 @@ TEST_CASE("cards of answers lie inside the window, apart from each other and in 
     }
 }
 
-TEST_CASE("confidence is asked after the answer, on its own clock, and only where asked for",
-          "[screen][answers]") {
+TEST_CASE("confidence is asked after the answer, on its own clock, and only where asked for") {
     SubjectScreen screen(options());
     for (int sure = 1; sure <= kMaxConfidence; ++sure) {
         const Insisting subject([] { press(SDLK_2); },
@@ -134,7 +131,7 @@ TEST_CASE("confidence is asked after the answer, on its own clock, and only wher
     }
 }
 
-TEST_CASE("the key that answers does not say how sure one is as well", "[screen][answers][law]") {
+TEST_CASE("the key that answers does not say how sure one is as well") {
     SubjectScreen screen(options());
     const Insisting subject(
         [] {
@@ -146,8 +143,7 @@ TEST_CASE("the key that answers does not say how sure one is as well", "[screen]
 }
 
 TEST_CASE(
-    "the experimenter can stop a session at the answer, at the confidence and at the feedback",
-    "[screen][answers][law]") {
+    "the experimenter can stop a session at the answer, at the confidence and at the feedback") {
     SubjectScreen screen(options());
     const auto stop = [] {
         press(SDLK_q, static_cast<SDL_Keymod>(KMOD_CTRL | KMOD_SHIFT));
@@ -169,8 +165,7 @@ TEST_CASE(
     CHECK(screen.feedback(kTrial, false) == Signal::go_on);
 }
 
-TEST_CASE("wrapped text has every word in order, and no row is wider than asked for",
-          "[screen][law]") {
+TEST_CASE("wrapped text has every word in order, and no row is wider than asked for") {
     draw_into_memory();
     Window window({.font = {}, .instructions = {}});
     const std::string text = GENERATE(
@@ -195,8 +190,7 @@ TEST_CASE("wrapped text has every word in order, and no row is wider than asked 
     CHECK(wrapped(window, "a\n\nb", 20.0, 500.0) == std::vector<std::string>{"a", "", "b"});
 }
 
-TEST_CASE("the longest instructions that a protocol may give fit their place on a small screen",
-          "[screen][law]") {
+TEST_CASE("the longest instructions that a protocol may give fit their place on a small screen") {
     draw_into_memory();
     Window window({.width = 800, .height = 600, .font = {}, .instructions = {}});
     std::string words;
@@ -213,8 +207,7 @@ TEST_CASE("the longest instructions that a protocol may give fit their place on 
 
 using palpate::engine::Vec2;
 
-TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictures",
-          "[pictures][law]") {
+TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictures") {
     for (const Vec2& window :
          {Vec2{1024.0, 768.0}, Vec2{1280.0, 800.0}, Vec2{1920.0, 1080.0}, Vec2{800.0, 1200.0}}) {
         for (std::size_t n = 2; n <= 9; ++n) {
@@ -237,8 +230,7 @@ TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictu
     }
 }
 
-TEST_CASE("a pixel goes to the object's frame and back, y up, the middle at (0, 30 mm)",
-          "[pointer][law]") {
+TEST_CASE("a pixel goes to the object's frame and back, y up, the middle at (0, 30 mm)") {
     const PointerMap map{{1280.0, 800.0}};
     CHECK(map.to_object({640.0, 400.0}) == Vec2{0.0, 0.030});
     CHECK(map.to_object({644.0, 396.0}).x > 0.0);
