@@ -32,6 +32,26 @@ int sum_of(const std::vector<Words>& matrix) {
     return sum;
 }
 
+Table people() {
+    return {.place = "people/*/by/*",
+            .title = "  Who",
+            .columns = {{.key = "person", .words = "person"},
+                        {.key = "friction", .words = "friction"},
+                        {.key = "n", .words = "n"},
+                        {.key = "mean", .words = "mean", .digits = 2},
+                        {.key = "bits/p", .words = "p", .says = Column::Says::p},
+                        {.key = "interval_95", .words = "interval", .digits = 1},
+                        {.key = "wilson_95"},
+                        {.key = "gone", .words = "gone"}},
+            .index = 2,
+            .rows = {{"A/1", Named{"on", "on - off"}, std::int64_t{3}, -0.004, 0.0002,
+                      Interval{0.25, 1.0}, Interval{0.1, 0.2}, Nothing{}},
+                     {"A/1", Named{"off", "off - off"}, std::int64_t{12},
+                      cell_of(std::numeric_limits<double>::infinity(), "no end"), 0.25,
+                      cell_of(std::optional<Interval>()), Nothing{}, Nothing{}}},
+            .notes = {"Nobody else."}};
+}
+
 }  // namespace
 
 TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors") {
@@ -110,30 +130,6 @@ TEST_CASE("the two queries of the summary run as printed, also for a name with a
         CHECK_THAT(query.out, Has("friction"));
     }
 }
-
-namespace {
-
-Table people() {
-    return {.place = "people/*/by/*",
-            .title = "  Who",
-            .columns = {{.key = "person", .words = "person"},
-                        {.key = "friction", .words = "friction"},
-                        {.key = "n", .words = "n"},
-                        {.key = "mean", .words = "mean", .digits = 2},
-                        {.key = "bits/p", .words = "p", .says = Column::Says::p},
-                        {.key = "interval_95", .words = "interval", .digits = 1},
-                        {.key = "wilson_95"},
-                        {.key = "gone", .words = "gone"}},
-            .index = 2,
-            .rows = {{"A/1", Named{"on", "on - off"}, std::int64_t{3}, -0.004, 0.0002,
-                      Interval{0.25, 1.0}, Interval{0.1, 0.2}, Nothing{}},
-                     {"A/1", Named{"off", "off - off"}, std::int64_t{12},
-                      cell_of(std::numeric_limits<double>::infinity(), "no end"), 0.25,
-                      cell_of(std::optional<Interval>()), Nothing{}, Nothing{}}},
-            .notes = {"Nobody else."}};
-}
-
-}  // namespace
 
 TEST_CASE("a table says the same as text, JSON and fields, and why there is nothing") {
     const Table table = people();

@@ -5,6 +5,8 @@
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;
@@ -26,6 +28,27 @@ bool next(data::PackedNumbers& packed, std::vector<Word>& block) {
     return packed.each<Word>(block.size(),
                              [at = block.data()](Word number) mutable { *at++ = number; });
 }
+
+/// A demo's file and its export with all ticks.
+struct ExportSummary {
+    explicit ExportSummary(const std::string& format) {
+        file = folder.file("demo.sqlite");
+        out = folder.path() / "out";
+        ran({"demo", "--headless", "--db", file});
+        ran({"export", file, "--format", format, "--kind", "simulated", "--traces", "-o",
+             out.string()});
+    }
+    TemporaryFolder folder;
+    std::string file;
+    fs::path out;
+};
+
+/// Every number of trials.csv and of the ticks against the file, with Python's standard library
+/// alone and the reader that ships.
+const std::string kPython = test_text("scripts/round_trip.py");
+
+/// What R's own reader makes of a file, every number as its bits.
+const std::string kR = test_text("scripts/numbers.R");
 
 }  // namespace
 
@@ -193,33 +216,6 @@ TEST_CASE("every byte of a tick belongs to exactly one column") {
     CHECK(std::count(owners.begin(), owners.end(), 1) ==
           static_cast<std::ptrdiff_t>(owners.size()));
 }
-
-namespace fs = std::filesystem;
-
-namespace {
-
-/// A demo's file and its export with all ticks.
-struct ExportSummary {
-    explicit ExportSummary(const std::string& format) {
-        file = folder.file("demo.sqlite");
-        out = folder.path() / "out";
-        ran({"demo", "--headless", "--db", file});
-        ran({"export", file, "--format", format, "--kind", "simulated", "--traces", "-o",
-             out.string()});
-    }
-    TemporaryFolder folder;
-    std::string file;
-    fs::path out;
-};
-
-/// Every number of trials.csv and of the ticks against the file, with Python's standard library
-/// alone and the reader that ships.
-const std::string kPython = test_text("scripts/round_trip.py");
-
-/// What R's own reader makes of a file, every number as its bits.
-const std::string kR = test_text("scripts/numbers.R");
-
-}  // namespace
 
 TEST_CASE(
     "Python reads the same numbers from the CSV files as from the database, R those of Python") {

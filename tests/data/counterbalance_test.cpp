@@ -26,6 +26,70 @@ std::vector<std::size_t> open(data::Database& database,
     return spec.plan.picture_order;
 }
 
+/// Opens the session of a study in friction blocks, and says which friction began.
+std::size_t open_blocks(data::Database& database,
+                        const protocols::Protocol& protocol,
+                        const std::string& participant,
+                        data::RunKind kind,
+                        std::size_t number = 1) {
+    data::SessionSpec spec = session_spec(small_protocol(), participant, number);
+    spec.protocol = protocol;
+    spec.protocol_hash = protocols::protocol_hash(protocol);
+    spec.kind = kind;
+    begin(database, data::plan_and_open_session(database, spec).id);
+    return first_round(protocol, spec.plan).front();
+}
+
+/// A study's file as histories grow it, and who has which row by the rules alone.
+struct GrownFile {
+    NewDatabase database{};
+    protocols::Protocol protocol = small_protocol();
+    /// Of each person, in the order of sessions.
+    std::map<std::string, std::vector<std::vector<std::size_t>>> orders{};
+    std::map<std::string, std::vector<std::size_t>> rows{};  ///< of those who really ran
+    std::size_t left = 0;  ///< were withdrawn since, and nobody came for them yet
+
+    std::vector<std::size_t> run(const std::string& person, data::RunKind kind) {
+        auto& all = orders[person];
+        return all.emplace_back(open(database, protocol, person, kind, all.size() + 1));
+    }
+    void try_out(const std::string& person, data::RunKind kind) {
+        const auto order = run(person, kind);
+        CHECK(order == orders[person].front());
+    }
+    std::size_t uses(const std::vector<std::size_t>& order) const {
+        return static_cast<std::size_t>(
+            std::ranges::count(rows, order, [](const auto& one) { return one.second; }));
+    }
+    /// Of the row used least and of the one used most.
+    std::pair<std::size_t, std::size_t> range() const {
+        std::vector<std::size_t> all;
+        for (const auto& order : picture_rows(protocol)) {
+            all.push_back(uses(order));
+        }
+        const auto [least, most] = std::ranges::minmax(all);
+        return {least, most};
+    }
+    void really_run(const std::string& person) {
+        const std::size_t least = range().first;
+        const auto order = run(person, data::RunKind::real);
+        if (const auto has = rows.find(person); has != rows.end()) {
+            CHECK(order == has->second);
+            return;
+        }
+        CHECK(uses(order) == least);
+        rows[person] = order;
+        left -= left > 0 ? 1 : 0;
+    }
+    void withdraw(const std::string& person) {
+        database.run(
+            "UPDATE session SET withdrawn_reason = 'asleep' WHERE session_kind = 'real' AND "
+            "participant_id = (SELECT participant_id FROM participant WHERE participant_code = ?1)",
+            person);
+        left += rows.erase(person);
+    }
+};
+
 }  // namespace
 
 TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not") {
@@ -61,24 +125,6 @@ TEST_CASE("a session goes on with its own pictures, and so does the participant'
     CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R1", 1}).others.size() ==
           11);
 }
-
-namespace {
-
-/// Opens the session of a study in friction blocks, and says which friction began.
-std::size_t open_blocks(data::Database& database,
-                        const protocols::Protocol& protocol,
-                        const std::string& participant,
-                        data::RunKind kind,
-                        std::size_t number = 1) {
-    data::SessionSpec spec = session_spec(small_protocol(), participant, number);
-    spec.protocol = protocol;
-    spec.protocol_hash = protocols::protocol_hash(protocol);
-    spec.kind = kind;
-    begin(database, data::plan_and_open_session(database, spec).id);
-    return first_round(protocol, spec.plan).front();
-}
-
-}  // namespace
 
 TEST_CASE("real participants begin with each friction in turns, whoever else ran") {
     SEED(std::uint64_t{6});
@@ -148,60 +194,6 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     REQUIRE(row.step());
     CHECK(row.integer(0) == static_cast<std::int64_t>(rows + 1));
 }
-
-namespace {
-
-/// A study's file as histories grow it, and who has which row by the rules alone.
-struct GrownFile {
-    NewDatabase database{};
-    protocols::Protocol protocol = small_protocol();
-    /// Of each person, in the order of sessions.
-    std::map<std::string, std::vector<std::vector<std::size_t>>> orders{};
-    std::map<std::string, std::vector<std::size_t>> rows{};  ///< of those who really ran
-    std::size_t left = 0;  ///< were withdrawn since, and nobody came for them yet
-
-    std::vector<std::size_t> run(const std::string& person, data::RunKind kind) {
-        auto& all = orders[person];
-        return all.emplace_back(open(database, protocol, person, kind, all.size() + 1));
-    }
-    void try_out(const std::string& person, data::RunKind kind) {
-        const auto order = run(person, kind);
-        CHECK(order == orders[person].front());
-    }
-    std::size_t uses(const std::vector<std::size_t>& order) const {
-        return static_cast<std::size_t>(
-            std::ranges::count(rows, order, [](const auto& one) { return one.second; }));
-    }
-    /// Of the row used least and of the one used most.
-    std::pair<std::size_t, std::size_t> range() const {
-        std::vector<std::size_t> all;
-        for (const auto& order : picture_rows(protocol)) {
-            all.push_back(uses(order));
-        }
-        const auto [least, most] = std::ranges::minmax(all);
-        return {least, most};
-    }
-    void really_run(const std::string& person) {
-        const std::size_t least = range().first;
-        const auto order = run(person, data::RunKind::real);
-        if (const auto has = rows.find(person); has != rows.end()) {
-            CHECK(order == has->second);
-            return;
-        }
-        CHECK(uses(order) == least);
-        rows[person] = order;
-        left -= left > 0 ? 1 : 0;
-    }
-    void withdraw(const std::string& person) {
-        database.run(
-            "UPDATE session SET withdrawn_reason = 'asleep' WHERE session_kind = 'real' AND "
-            "participant_id = (SELECT participant_id FROM participant WHERE participant_code = ?1)",
-            person);
-        left += rows.erase(person);
-    }
-};
-
-}  // namespace
 
 TEST_CASE("whatever was rehearsed, piloted, withdrawn and begun again, real rows stay in balance") {
     SEEDED(random, std::uint64_t{6});

@@ -104,6 +104,50 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
     FAIL("the ticks were not saved");
 }
 
+/// A disk that fails once, and would take everything after it.
+class DiskWithHiccup : public NoRecorder {
+public:
+    explicit DiskWithHiccup(int failing) : failing_(failing) {}
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {
+        return ++calls_;
+    }
+    void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> ticks) override {
+        ++calls_;
+        if (++appends_ == failing_) {
+            throw data::StoreError("the disk did not take it");
+        }
+        last_ = ticks.back().tick;
+    }
+    void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
+        ++calls_;
+    }
+    void event(const protocols::Event& /*event*/) override { ++calls_; }
+    void finish_session() override { ++calls_; }
+
+    [[nodiscard]] int calls() const { return calls_; }
+    [[nodiscard]] std::int64_t last_tick() const { return last_; }
+
+private:
+    int failing_;
+    int appends_ = 0;
+    int calls_ = 0;
+    std::int64_t last_ = -1;
+};
+
+constexpr std::int64_t kPart = 1000;  ///< ticks that are not kept to be handed over with more
+
+/// @returns whether one part was refused
+bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
+    try {
+        for (std::int64_t i = 0; i < parts; ++i) {
+            recorder.append(1, random_ticks(1, kPart, i * kPart));
+        }
+    } catch (const data::StoreError&) {
+        return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old") {
@@ -240,54 +284,6 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     CHECK(data::chain_breaks(database, session).empty());
     CHECK(data::chain_head(database, session) == head);
 }
-
-namespace {
-
-/// A disk that fails once, and would take everything after it.
-class DiskWithHiccup : public NoRecorder {
-public:
-    explicit DiskWithHiccup(int failing) : failing_(failing) {}
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {
-        return ++calls_;
-    }
-    void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> ticks) override {
-        ++calls_;
-        if (++appends_ == failing_) {
-            throw data::StoreError("the disk did not take it");
-        }
-        last_ = ticks.back().tick;
-    }
-    void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
-        ++calls_;
-    }
-    void event(const protocols::Event& /*event*/) override { ++calls_; }
-    void finish_session() override { ++calls_; }
-
-    [[nodiscard]] int calls() const { return calls_; }
-    [[nodiscard]] std::int64_t last_tick() const { return last_; }
-
-private:
-    int failing_;
-    int appends_ = 0;
-    int calls_ = 0;
-    std::int64_t last_ = -1;
-};
-
-constexpr std::int64_t kPart = 1000;  ///< ticks that are not kept to be handed over with more
-
-/// @returns whether one part was refused
-bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
-    try {
-        for (std::int64_t i = 0; i < parts; ++i) {
-            recorder.append(1, random_ticks(1, kPart, i * kPart));
-        }
-    } catch (const data::StoreError&) {
-        return true;
-    }
-    return false;
-}
-
-}  // namespace
 
 TEST_CASE("after one lost append nothing is stored any more, and every call says so") {
     EACH(failing, 1, 2, 7, 20);

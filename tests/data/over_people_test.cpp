@@ -29,6 +29,14 @@ bool holds(const Interval& interval, double value) {
     return interval.low <= value && value <= interval.high;
 }
 
+/// Extra hours of sleep of ten people, drug 1 less drug 2 (A. R. Cushny, A. R. Peebles, 1905): R's
+/// data set `sleep`.
+const std::vector<double> kSleep{-1.2, -2.4, -1.3, -1.3, 0.0, -1.0, -1.8, -0.8, -4.6, -1.4};
+
+double probability_below(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
 }  // namespace
 
 TEST_CASE("a mean over people and its interval are the same to the bit in any order of people") {
@@ -157,18 +165,6 @@ TEST_CASE("the interval of a difference of two shares agrees with the published 
         CHECK(std::fabs(ci.high - p.high) < 5.1e-5);
     }
 }
-
-namespace {
-
-/// Extra hours of sleep of ten people, drug 1 less drug 2 (A. R. Cushny, A. R. Peebles, 1905): R's
-/// data set `sleep`.
-const std::vector<double> kSleep{-1.2, -2.4, -1.3, -1.3, 0.0, -1.0, -1.8, -0.8, -4.6, -1.4};
-
-double probability_below(double z) {
-    return 0.5 * std::erfc(-z / std::sqrt(2.0));
-}
-
-}  // namespace
 
 // R 4.2.2, t.test(extra ~ group, data = sleep, paired = TRUE); vignette of the package BayesFactor
 // 0.9.12, ttestBF(x = diffScores): 17.25888, r = 0.707.

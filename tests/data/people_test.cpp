@@ -20,6 +20,53 @@ void run_on(Database& database, const data::SessionSpec& spec) {
     recorder.finish_session();
 }
 
+struct Answered {
+    std::vector<std::size_t> shapes;
+    std::vector<std::size_t> responses;
+};
+
+/// `trials` of five shapes, each as often; a share of the answers is right, the others are any
+/// shape, or a neighbour.
+Answered some_answers(std::mt19937_64& random,
+                      std::size_t trials,
+                      double right,
+                      bool near = false) {
+    std::uniform_real_distribution<double> uniform;
+    Answered all;
+    for (std::size_t i = 0; i < trials; ++i) {
+        const std::size_t shape = i % 5;
+        const auto beside = [&] {
+            return shape == 0 || (shape < 4 && random() % 2 == 0) ? shape + 1 : shape - 1;
+        };
+        all.shapes.push_back(shape);
+        all.responses.push_back(uniform(random) < right ? shape : near ? beside() : random() % 5);
+    }
+    return all;
+}
+
+/// Bits of a channel that is right with probability `right` and guesses among five else.
+double bits_of(double right) {
+    const double hit = right + (1.0 - right) / 5.0;
+    const double other = (1.0 - right) / 5.0;
+    return std::log2(5.0) + hit * std::log2(hit) + 4.0 * other * std::log2(other);
+}
+
+/// Of one that is right or names a neighbour.
+double bits_beside(double right) {
+    const double wrong = 1.0 - right;
+    // Shares of the answers: an outer shape, the next one, the middle one.
+    const double outer = (right + 0.5 * wrong) / 5.0;
+    const double next = (right + 1.5 * wrong) / 5.0;
+    const double middle = (right + wrong) / 5.0;
+    const auto term = [](double p) {
+        return p * std::log2(p);
+    };
+    const double of_response = -2.0 * term(outer) - 2.0 * term(next) - term(middle);
+    const double of_outer = -term(right) - term(wrong);
+    const double of_inner = -term(right) - 2.0 * term(0.5 * wrong);
+    return of_response - (2.0 * of_outer + 3.0 * of_inner) / 5.0;
+}
+
 }  // namespace
 
 TEST_CASE("an answer that does not count is kept with its reason, left out and counted apart") {
@@ -214,57 +261,6 @@ TEST_CASE("words that are not UTF-8 are refused before they are kept") {
     }
     CHECK(noted() == before);
 }
-
-namespace {
-
-struct Answered {
-    std::vector<std::size_t> shapes;
-    std::vector<std::size_t> responses;
-};
-
-/// `trials` of five shapes, each as often; a share of the answers is right, the others are any
-/// shape, or a neighbour.
-Answered some_answers(std::mt19937_64& random,
-                      std::size_t trials,
-                      double right,
-                      bool near = false) {
-    std::uniform_real_distribution<double> uniform;
-    Answered all;
-    for (std::size_t i = 0; i < trials; ++i) {
-        const std::size_t shape = i % 5;
-        const auto beside = [&] {
-            return shape == 0 || (shape < 4 && random() % 2 == 0) ? shape + 1 : shape - 1;
-        };
-        all.shapes.push_back(shape);
-        all.responses.push_back(uniform(random) < right ? shape : near ? beside() : random() % 5);
-    }
-    return all;
-}
-
-/// Bits of a channel that is right with probability `right` and guesses among five else.
-double bits_of(double right) {
-    const double hit = right + (1.0 - right) / 5.0;
-    const double other = (1.0 - right) / 5.0;
-    return std::log2(5.0) + hit * std::log2(hit) + 4.0 * other * std::log2(other);
-}
-
-/// Of one that is right or names a neighbour.
-double bits_beside(double right) {
-    const double wrong = 1.0 - right;
-    // Shares of the answers: an outer shape, the next one, the middle one.
-    const double outer = (right + 0.5 * wrong) / 5.0;
-    const double next = (right + 1.5 * wrong) / 5.0;
-    const double middle = (right + wrong) / 5.0;
-    const auto term = [](double p) {
-        return p * std::log2(p);
-    };
-    const double of_response = -2.0 * term(outer) - 2.0 * term(next) - term(middle);
-    const double of_outer = -term(right) - term(wrong);
-    const double of_inner = -term(right) - 2.0 * term(0.5 * wrong);
-    return of_response - (2.0 * of_outer + 3.0 * of_inner) / 5.0;
-}
-
-}  // namespace
 
 TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials shows 0.28 bits",
           "[inference]") {

@@ -50,6 +50,17 @@ std::string random_condition(Random& random, const std::string& trial) {
     return where;
 }
 
+/// With every interval short, too.
+std::string brief_text(std::string_view name,
+                       std::vector<std::pair<std::string, std::string>> edits) {
+    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
+                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
+                       "[timing]\nexplore_min_s = 0.5\n");
+    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
+    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
+    return short_text(name, edits);
+}
+
 }  // namespace
 
 TEST_CASE("a query gives the same rows with and without the index") {
@@ -218,21 +229,6 @@ TEST_CASE("sample is never of another database than the one that was named") {
     database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS \"b\"\"c\"").c_str());
     CHECK_THAT(count(), Has("DETACH b\"c"));
 }
-
-namespace {
-
-/// With every interval short, too.
-std::string brief_text(std::string_view name,
-                       std::vector<std::pair<std::string, std::string>> edits) {
-    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
-                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
-                       "[timing]\nexplore_min_s = 0.5\n");
-    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
-    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
-    return short_text(name, edits);
-}
-
-}  // namespace
 
 TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit") {
     const std::string study = GENERATE("curvature_2afc", "friction_threshold", "softness_2afc");

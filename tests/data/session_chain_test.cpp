@@ -107,6 +107,59 @@ void check_last_ticks(FeltRun& run) {
     CHECK(faults > 0);
 }
 
+/// An experimenter who marks and pauses while an attempt is felt, now and then.
+class Marking : public Patient {
+public:
+    Marking(std::uint64_t seed, OperatorDesk& desk) : random_(seed), desk_(desk) {}
+
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
+        if (elapsed_s >= 0.1 && !decided_) {
+            decided_ = true;
+            felt = {trial.practice, trial.number, trial.total};
+            if (random_.below(3) == 0) {
+                desk_.mark("a sneeze");
+            }
+            if (random_.below(4) == 0) {
+                desk_.pause();
+            }
+        }
+        return Patient::explore(trial, elapsed_s);
+    }
+    Signal ready(const TrialView& trial) override {
+        decided_ = false;
+        return Patient::ready(trial);
+    }
+    Signal pause(const TrialView& /*next*/) override { return Signal::go_on; }
+    TrialNumber felt{};  ///< as its screen said
+
+private:
+    Random random_;
+    OperatorDesk& desk_;
+    bool decided_ = false;
+};
+
+/// Marks in the first break.
+class InABreak : public Patient {
+public:
+    InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
+    Signal rest(double /*seconds*/, const TrialView& next) override {
+        if (kept.empty()) {
+            desk_.mark();
+            comes = {next.practice, next.number, next.total};
+            kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
+            reply = desk_.take_reply();
+        }
+        return Signal::go_on;
+    }
+    std::string kept;  ///< marks in the database before the break was over
+    TrialNumber comes{};
+    std::optional<MarkReply> reply;
+
+private:
+    Database& database_;
+    OperatorDesk& desk_;
+};
+
 }  // namespace
 
 TEST_CASE(
@@ -213,41 +266,6 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
           "fault \ntiming \nreconnect \ngo on \ntiming \n");
 }
 
-namespace {
-
-/// An experimenter who marks and pauses while an attempt is felt, now and then.
-class Marking : public Patient {
-public:
-    Marking(std::uint64_t seed, OperatorDesk& desk) : random_(seed), desk_(desk) {}
-
-    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
-        if (elapsed_s >= 0.1 && !decided_) {
-            decided_ = true;
-            felt = {trial.practice, trial.number, trial.total};
-            if (random_.below(3) == 0) {
-                desk_.mark("a sneeze");
-            }
-            if (random_.below(4) == 0) {
-                desk_.pause();
-            }
-        }
-        return Patient::explore(trial, elapsed_s);
-    }
-    Signal ready(const TrialView& trial) override {
-        decided_ = false;
-        return Patient::ready(trial);
-    }
-    Signal pause(const TrialView& /*next*/) override { return Signal::go_on; }
-    TrialNumber felt{};  ///< as its screen said
-
-private:
-    Random random_;
-    OperatorDesk& desk_;
-    bool decided_ = false;
-};
-
-}  // namespace
-
 TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark") {
     SEED(4ULL);
     Protocol protocol = short_protocol();
@@ -292,32 +310,6 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                 "trial.plan_position AND later.trial_id > trial.trial_id) FROM trial WHERE "
                 "invalid_reason IS NOT NULL ORDER BY trial_id") == marked);
 }
-
-namespace {
-
-/// Marks in the first break.
-class InABreak : public Patient {
-public:
-    InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
-    Signal rest(double /*seconds*/, const TrialView& next) override {
-        if (kept.empty()) {
-            desk_.mark();
-            comes = {next.practice, next.number, next.total};
-            kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
-            reply = desk_.take_reply();
-        }
-        return Signal::go_on;
-    }
-    std::string kept;  ///< marks in the database before the break was over
-    TrialNumber comes{};
-    std::optional<MarkReply> reply;
-
-private:
-    Database& database_;
-    OperatorDesk& desk_;
-};
-
-}  // namespace
 
 TEST_CASE("a mark in a break is kept and answered in the break") {
     SmallSession session(short_protocol());

@@ -28,6 +28,18 @@ std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spe
     return opened.id;
 }
 
+std::string outcomes(Database& database) {
+    auto row = database.first(
+        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
+    return row.text(0) + ", events " + row.text(1);
+}
+
+/// From its first trial on a session is what it was begun as.
+void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
+    data::SqliteRecorder recorder(database, spec.protocol, session);
+    static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
+}
+
 }  // namespace
 
 TEST_CASE("the whole plan is stored before the first trial, as it was made") {
@@ -218,22 +230,6 @@ TEST_CASE("sessions of a participant are found by number") {
     CHECK(count(database, "participant") == 2);
     CHECK(count(database, "study") == 1);
 }
-
-namespace {
-
-std::string outcomes(Database& database) {
-    auto row = database.first(
-        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
-    return row.text(0) + ", events " + row.text(1);
-}
-
-/// From its first trial on a session is what it was begun as.
-void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
-    data::SqliteRecorder recorder(database, spec.protocol, session);
-    static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
-}
-
-}  // namespace
 
 TEST_CASE("a session that somebody runs is refused, and its running trial goes on running") {
     const TemporaryFile file("a.sqlite");

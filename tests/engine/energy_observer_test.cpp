@@ -65,6 +65,44 @@ Honest honest(Random& random, bool vertex_slew) {
             limits};
 }
 
+struct Wall {
+    double stiffness = 1000.0;  ///< N/m
+    double damping = 0.55;      ///< N s/m, of the device
+    std::size_t delay = 0;      ///< ticks from command to force, known to the chain
+    std::size_t lag = 0;        ///< ticks that the rendering looks back, known to nobody
+};
+
+/// A mass of 150 g that a hand holds with 2 N against the wall y < 0, for 20 s.
+Trip against(const Wall& wall) {
+    const SafetyLimits limits{.ramp_step = 1.0,
+                              .energy = kLimit,
+                              .stiffness = wall.stiffness,
+                              .damping = wall.damping,
+                              .delay_ticks = static_cast<double>(wall.delay)};
+    SafetyState state;
+    std::deque<double> commands(wall.delay, 0.0);
+    std::deque<double> depths(wall.lag, 0.0);
+    double y = -0.002;
+    double v = 0.0;
+    for (int k = 0; k < 20000 && state.trip == Trip::none; ++k) {
+        const Vec2 hip{0.0, y};
+        const double depth = std::max(0.0, -y);
+        depths.push_back(depth);
+        const Vec2 force{0.0, wall.stiffness * depths.front()};
+        const Command c = make_safe(
+            state, limits,
+            {.force = Vec3(force, 0.0), .spring = {0.0, depth, 0.0}, .hip = Vec3(hip, 0.0)});
+        commands.push_back(c.force.y);
+        for (int i = 0; i < 20; ++i) {
+            v += 5e-5 / 0.15 * (commands.front() - 2.0 - wall.damping * v);
+            y += 5e-5 * v;
+        }
+        commands.pop_front();
+        depths.pop_front();
+    }
+    return state.trip;
+}
+
 }  // namespace
 
 TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer") {
@@ -149,48 +187,6 @@ TEST_CASE("a force that follows the motion trips before it gave the limit and a 
     }
     FAIL("never tripped");
 }
-
-namespace {
-
-struct Wall {
-    double stiffness = 1000.0;  ///< N/m
-    double damping = 0.55;      ///< N s/m, of the device
-    std::size_t delay = 0;      ///< ticks from command to force, known to the chain
-    std::size_t lag = 0;        ///< ticks that the rendering looks back, known to nobody
-};
-
-/// A mass of 150 g that a hand holds with 2 N against the wall y < 0, for 20 s.
-Trip against(const Wall& wall) {
-    const SafetyLimits limits{.ramp_step = 1.0,
-                              .energy = kLimit,
-                              .stiffness = wall.stiffness,
-                              .damping = wall.damping,
-                              .delay_ticks = static_cast<double>(wall.delay)};
-    SafetyState state;
-    std::deque<double> commands(wall.delay, 0.0);
-    std::deque<double> depths(wall.lag, 0.0);
-    double y = -0.002;
-    double v = 0.0;
-    for (int k = 0; k < 20000 && state.trip == Trip::none; ++k) {
-        const Vec2 hip{0.0, y};
-        const double depth = std::max(0.0, -y);
-        depths.push_back(depth);
-        const Vec2 force{0.0, wall.stiffness * depths.front()};
-        const Command c = make_safe(
-            state, limits,
-            {.force = Vec3(force, 0.0), .spring = {0.0, depth, 0.0}, .hip = Vec3(hip, 0.0)});
-        commands.push_back(c.force.y);
-        for (int i = 0; i < 20; ++i) {
-            v += 5e-5 / 0.15 * (commands.front() - 2.0 - wall.damping * v);
-            y += 5e-5 * v;
-        }
-        commands.pop_front();
-        depths.pop_front();
-    }
-    return state.trip;
-}
-
-}  // namespace
 
 TEST_CASE("a wall within the passivity bound runs for ever, one rendered from old readings trips") {
     // K T (1/2 + d): 0.5 N s/m without delay, 1.5 with one tick.

@@ -22,39 +22,6 @@ Friction random_friction(Random& random) {
             .tau_heal = random.in(0.0, 0.3)};
 }
 
-}  // namespace
-
-TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick") {
-    SEEDED(random, std::uint64_t{60});
-    const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
-    const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
-    const double k = random.in(100.0, 2000.0);
-    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
-    const Scene scene(stimuli::make_outline({.curvature = kappa}),
-                      {.stiffness = k, .friction = friction});
-    GosOracle oracle(side, {.stiffness = k,
-                            .mu_s = friction.mu_s,
-                            .mu_d = friction.mu_d,
-                            .tau_slip = friction.tau_slip,
-                            .tau_heal = friction.tau_heal});
-    ContactState state;
-    double worst = 0.0;
-    int touched = 0;
-    for (int i = 0; i < 6000; ++i) {  // in and out of the side, away from its ends
-        const double t = i * 1e-3;
-        const double s = 0.5 + 0.3 * std::sin(2.1 * t + 1.0) + 0.02 * std::sin(31.0 * t);
-        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
-        const Vec2 h = on.point - (0.0012 + 0.002 * std::sin(3.7 * t)) * on.normal;
-        const Contact contact = scene.tick(state, h);
-        worst = std::max(worst, glm::length(contact.force - oracle.tick(h)));
-        touched += contact.mode != Mode::free ? 1 : 0;
-    }
-    CHECK(touched > 2000);
-    CHECK(worst <= (friction.none() ? 1e-10 : 1e-9));
-}
-
-namespace {
-
 /// Ticks whose force step exceeds the bound of the slewed law:
 ///
 ///     K (3 |dh| + v_r T) + pull (v_r T + 2 |dh|) / rho_v + (mu_s - mu_d) F_N T / tau_slip + 0.02 N
@@ -91,7 +58,131 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
     return violations;
 }
 
+/// Sides of 56.6 mm with a sagitta of 5 mm have this curvature: R = 82.5 mm.
+constexpr double kSagitta5mm = 1.0 / 0.0825;
+
+/// To and fro on the left side, 10 to 90 % of it, `depth` below the surface.
+struct Stroke {
+    double speed = 0.1;    ///< m/s
+    double depth = 0.002;  ///< m
+    double period = 1e-3;  ///< s
+};
+
+/// Calls each(time since the last reversal, contact) for `seconds` of strokes.
+template <class Each>
+void stroke_on(const Scene& scene, const Stroke& stroke, double seconds, Each&& each) {
+    const RationalBezier<2>& side = scene.outline().spans()[0];
+    ContactState state;
+    double u = 0.1;
+    double direction = 1.0;
+    double since = 0.0;
+    for (int i = 0; i * stroke.period < seconds; ++i) {
+        const Frame frame = frame_at(side, u);
+        const Contact c = scene.tick(state, frame.point - stroke.depth * frame.normal);
+        each(since, c);
+        u += direction * stroke.speed * stroke.period / frame.speed;
+        since += stroke.period;
+        if (u > 0.9 || u < 0.1) {
+            u = std::clamp(u, 0.1, 0.9);
+            direction = -direction;
+            since = 0.0;
+        }
+    }
+}
+
+/// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest
+/// difference and the rms at 1, 4 and 10 kHz.
+struct Ride {
+    const char* name;
+    std::shared_ptr<const Outline> outline;
+    Slew slew;
+    double seconds;
+    std::function<Vec2(double)> hip;
+    std::array<std::array<double, 2>, 3> bounds;
+};
+
+/// In, along, deeper, along an arc.
+Ride along_an_arc() {
+    const RationalBezier<2> side = make_arc({-0.08, 0.0}, {0.0, 0.04}, 6.0);
+    const auto hip = [side](double t) {
+        const double depth = t < 0.4 ? 0.0125 * t
+                           : t < 1.0 ? 0.005
+                           : t < 1.3 ? 0.005 + 0.01 * (t - 1.0)
+                                     : 0.008;
+        const double u = t < 0.4 ? 0.3
+                       : t < 1.0 ? 0.3 + 0.3 * (t - 0.4)
+                       : t < 1.3 ? 0.48
+                                 : 0.48 + 0.3 * (t - 1.3);
+        const Frame frame = frame_at(side, u);
+        return frame.point - depth * frame.normal;
+    };
+    return {"arc",  open_outline({side}),
+            Slew{}, 2.0,
+            hip,    {{{0.068, 0.0055}, {0.015, 0.0011}, {0.004, 0.0003}}}};
+}
+
+/// To and fro over a vertex between straight sides, 4 mm below them. @param turn  rad, > 0 convex
+Ride over_a_vertex(const char* name,
+                   double turn,
+                   const Slew& slew,
+                   const std::array<std::array<double, 2>, 3>& bounds) {
+    const double half = 0.5 * turn;
+    const Vec2 side = 0.1 * Vec2{std::cos(half), -std::sin(half)};
+    const auto hip = [half](double t) {
+        const double x = -0.02 * std::cos(2.0 * std::numbers::pi * t);
+        const double ridge = std::sqrt(x * x + 1e-8);  // a hand turns within 0.1 mm
+        return Vec2{x, -std::tan(half) * ridge - std::min(0.08 * t, 0.004) / std::cos(half)};
+    };
+    return {name, polyline({{-side.x, side.y}, {}, side}), slew, 1.5, hip, bounds};
+}
+
+/// Forces of a ride at every millisecond.
+std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
+    const double period = 1e-3 / per_millisecond;
+    const Scene scene(ride.outline,
+                      {.period = period, .friction = kStudyFriction, .slew = ride.slew});
+    ContactState state;
+    std::vector<Vec2> forces;
+    const int ticks = static_cast<int>(ride.seconds * 1000.0) * per_millisecond;
+    for (int i = 0; i <= ticks; ++i) {
+        const Contact c = scene.tick(state, ride.hip(i * period));
+        if (i % per_millisecond == 0) {
+            forces.push_back(c.force);
+        }
+    }
+    return forces;
+}
+
 }  // namespace
+
+TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick") {
+    SEEDED(random, std::uint64_t{60});
+    const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
+    const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
+    const double k = random.in(100.0, 2000.0);
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
+    const Scene scene(stimuli::make_outline({.curvature = kappa}),
+                      {.stiffness = k, .friction = friction});
+    GosOracle oracle(side, {.stiffness = k,
+                            .mu_s = friction.mu_s,
+                            .mu_d = friction.mu_d,
+                            .tau_slip = friction.tau_slip,
+                            .tau_heal = friction.tau_heal});
+    ContactState state;
+    double worst = 0.0;
+    int touched = 0;
+    for (int i = 0; i < 6000; ++i) {  // in and out of the side, away from its ends
+        const double t = i * 1e-3;
+        const double s = 0.5 + 0.3 * std::sin(2.1 * t + 1.0) + 0.02 * std::sin(31.0 * t);
+        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
+        const Vec2 h = on.point - (0.0012 + 0.002 * std::sin(3.7 * t)) * on.normal;
+        const Contact contact = scene.tick(state, h);
+        worst = std::max(worst, glm::length(contact.force - oracle.tick(h)));
+        touched += contact.mode != Mode::free ? 1 : 0;
+    }
+    CHECK(touched > 2000);
+    CHECK(worst <= (friction.none() ? 1e-10 : 1e-9));
+}
 
 TEST_CASE("with vertex slew the force never steps by more than the bound") {
     SEED(std::uint64_t{40});
@@ -185,42 +276,6 @@ TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D") {
     }
 }
 
-namespace {
-
-/// Sides of 56.6 mm with a sagitta of 5 mm have this curvature: R = 82.5 mm.
-constexpr double kSagitta5mm = 1.0 / 0.0825;
-
-/// To and fro on the left side, 10 to 90 % of it, `depth` below the surface.
-struct Stroke {
-    double speed = 0.1;    ///< m/s
-    double depth = 0.002;  ///< m
-    double period = 1e-3;  ///< s
-};
-
-/// Calls each(time since the last reversal, contact) for `seconds` of strokes.
-template <class Each>
-void stroke_on(const Scene& scene, const Stroke& stroke, double seconds, Each&& each) {
-    const RationalBezier<2>& side = scene.outline().spans()[0];
-    ContactState state;
-    double u = 0.1;
-    double direction = 1.0;
-    double since = 0.0;
-    for (int i = 0; i * stroke.period < seconds; ++i) {
-        const Frame frame = frame_at(side, u);
-        const Contact c = scene.tick(state, frame.point - stroke.depth * frame.normal);
-        each(since, c);
-        u += direction * stroke.speed * stroke.period / frame.speed;
-        since += stroke.period;
-        if (u > 0.9 || u < 0.1) {
-            u = std::clamp(u, 0.1, 0.9);
-            direction = -direction;
-            since = 0.0;
-        }
-    }
-}
-
-}  // namespace
-
 // The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at
 // 0.1 m/s and above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu =
 // 0.23 at 0.05 m/s.
@@ -255,73 +310,6 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     CHECK(worst_mu < 0.5 * 0.001);  // 0.1 %
     CHECK(max < 2.0 * std::hypot(1.0, 0.7) * 1.05);
 }
-
-namespace {
-
-/// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest
-/// difference and the rms at 1, 4 and 10 kHz.
-struct Ride {
-    const char* name;
-    std::shared_ptr<const Outline> outline;
-    Slew slew;
-    double seconds;
-    std::function<Vec2(double)> hip;
-    std::array<std::array<double, 2>, 3> bounds;
-};
-
-/// In, along, deeper, along an arc.
-Ride along_an_arc() {
-    const RationalBezier<2> side = make_arc({-0.08, 0.0}, {0.0, 0.04}, 6.0);
-    const auto hip = [side](double t) {
-        const double depth = t < 0.4 ? 0.0125 * t
-                           : t < 1.0 ? 0.005
-                           : t < 1.3 ? 0.005 + 0.01 * (t - 1.0)
-                                     : 0.008;
-        const double u = t < 0.4 ? 0.3
-                       : t < 1.0 ? 0.3 + 0.3 * (t - 0.4)
-                       : t < 1.3 ? 0.48
-                                 : 0.48 + 0.3 * (t - 1.3);
-        const Frame frame = frame_at(side, u);
-        return frame.point - depth * frame.normal;
-    };
-    return {"arc",  open_outline({side}),
-            Slew{}, 2.0,
-            hip,    {{{0.068, 0.0055}, {0.015, 0.0011}, {0.004, 0.0003}}}};
-}
-
-/// To and fro over a vertex between straight sides, 4 mm below them. @param turn  rad, > 0 convex
-Ride over_a_vertex(const char* name,
-                   double turn,
-                   const Slew& slew,
-                   const std::array<std::array<double, 2>, 3>& bounds) {
-    const double half = 0.5 * turn;
-    const Vec2 side = 0.1 * Vec2{std::cos(half), -std::sin(half)};
-    const auto hip = [half](double t) {
-        const double x = -0.02 * std::cos(2.0 * std::numbers::pi * t);
-        const double ridge = std::sqrt(x * x + 1e-8);  // a hand turns within 0.1 mm
-        return Vec2{x, -std::tan(half) * ridge - std::min(0.08 * t, 0.004) / std::cos(half)};
-    };
-    return {name, polyline({{-side.x, side.y}, {}, side}), slew, 1.5, hip, bounds};
-}
-
-/// Forces of a ride at every millisecond.
-std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
-    const double period = 1e-3 / per_millisecond;
-    const Scene scene(ride.outline,
-                      {.period = period, .friction = kStudyFriction, .slew = ride.slew});
-    ContactState state;
-    std::vector<Vec2> forces;
-    const int ticks = static_cast<int>(ride.seconds * 1000.0) * per_millisecond;
-    for (int i = 0; i <= ticks; ++i) {
-        const Contact c = scene.tick(state, ride.hip(i * period));
-        if (i % per_millisecond == 0) {
-            forces.push_back(c.force);
-        }
-    }
-    return forces;
-}
-
-}  // namespace
 
 TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too") {
     constexpr double kDegree = std::numbers::pi / 180.0;

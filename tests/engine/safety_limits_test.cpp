@@ -22,6 +22,25 @@ Trip stall(SafetyState& state, const SafetyLimits& limits, int periods) {
     return trip;
 }
 
+double rounded_to(double value, double step) {
+    return std::floor(value / step + 0.5) * step;
+}
+
+/// First tick that trips a hand of `speed` m/s, read in steps of `count` m; -1: none in `ticks`.
+int trips_at(const SafetyLimits& limits, double speed, double angle, double count, int ticks) {
+    SafetyState state;
+    for (int k = 0; k < ticks; ++k) {
+        const double way = speed * k * limits.period;
+        const Vec2 hip{rounded_to(way * std::cos(angle), count),
+                       rounded_to(way * std::sin(angle), count)};
+        const Command c = make_safe(state, limits, {.hip = Vec3(hip, 0.0)});
+        if (c.trip != Trip::none) {
+            return c.trip == Trip::over_speed ? k : -2;
+        }
+    }
+    return -1;
+}
+
 }  // namespace
 
 TEST_CASE("late ticks in a row trip at the number allowed, not before") {
@@ -130,29 +149,6 @@ TEST_CASE("answers that a busy machine keeps back now and then are no delay") {
         }
     }
 }
-
-namespace {
-
-double rounded_to(double value, double step) {
-    return std::floor(value / step + 0.5) * step;
-}
-
-/// First tick that trips a hand of `speed` m/s, read in steps of `count` m; -1: none in `ticks`.
-int trips_at(const SafetyLimits& limits, double speed, double angle, double count, int ticks) {
-    SafetyState state;
-    for (int k = 0; k < ticks; ++k) {
-        const double way = speed * k * limits.period;
-        const Vec2 hip{rounded_to(way * std::cos(angle), count),
-                       rounded_to(way * std::sin(angle), count)};
-        const Command c = make_safe(state, limits, {.hip = Vec3(hip, 0.0)});
-        if (c.trip != Trip::none) {
-            return c.trip == Trip::over_speed ? k : -2;
-        }
-    }
-    return -1;
-}
-
-}  // namespace
 
 TEST_CASE("a hand above the speed limit trips within the window, and one below it never") {
     SEEDED(random, std::uint64_t{100});

@@ -111,6 +111,55 @@ PressedWall light_hand(double stiffness) {
             .limits = {.max_force = 10.0, .ramp_step = 0.005, .watch_buzz = true}};
 }
 
+using Machine = std::array<Vec2, 2>;
+
+/// What a 2DIY of the third generation at 135 and 20 degrees makes of a force when its motors get
+/// the torques of `wrong`: F' = J^-T W J^T F. J: the table of published kinematics, m/rad.
+Machine miswired(const Machine& wrong) {
+    constexpr double a = -0.046895835131;
+    constexpr double b = -0.024700450478;
+    constexpr double c = -0.056329734687;
+    constexpr double d = 0.064866749038;
+    const double det = a * d - b * c;
+    const auto felt = [&](const Vec2& force) {
+        const Vec2 torque{a * force.x + c * force.y, b * force.x + d * force.y};
+        const Vec2 got = torque.x * wrong[0] + torque.y * wrong[1];
+        return Vec2{(d * got.x - c * got.y) / det, (a * got.y - b * got.x) / det};
+    };
+    return {felt({1.0, 0.0}), felt({0.0, 1.0})};
+}
+
+const Machine kBoth = miswired({Vec2{-1.0, 0.0}, Vec2{0.0, -1.0}});
+const Machine kFirst = miswired({Vec2{-1.0, 0.0}, Vec2{0.0, 1.0}});
+const Machine kSecond = miswired({Vec2{1.0, 0.0}, Vec2{0.0, -1.0}});
+const Machine kSwapped = miswired({Vec2{0.0, 1.0}, Vec2{1.0, 0.0}});
+const double kHalf = std::sqrt(0.5);
+
+PressedWall pressed(const Machine& machine, const Vec2& side, double hand, double press) {
+    return {.hand_k = hand,
+            .hand_b = hand / 40.0,
+            .press = press,
+            .normal = side,
+            .machine = machine,
+            .limits = {.max_force = 1.5, .ramp_step = 0.005, .watch_runaway = true}};
+}
+
+/// Whether a handle trips that comes at `came` m/s and from `at` m on goes on at `on` m/s, by a
+/// command that is full from there on or never, read once a ms in steps of 0.1 mm.
+bool trips(double came, double on, double at, bool full = true) {
+    RunawayWatch watch;
+    double y = 0.05;
+    for (int k = 0; k < 3000 && y > -0.1; ++k) {
+        y -= 1e-3 * (y > -at ? came : on);
+        const double read = std::floor(y / 1e-4 + 0.5) * 1e-4;
+        const double depth = std::fmax(0.0, -read);
+        if (runs_away(watch, full && depth >= at, depth, {0.0, read, 0.0}, 1e-3 * k)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
 TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never") {
@@ -174,43 +223,6 @@ TEST_CASE("a wall that is damped enough rings when it is struck, and is let be")
     CHECK((wall.run(3.0).trip == Trip::none));
 }
 
-namespace {
-
-using Machine = std::array<Vec2, 2>;
-
-/// What a 2DIY of the third generation at 135 and 20 degrees makes of a force when its motors get
-/// the torques of `wrong`: F' = J^-T W J^T F. J: the table of published kinematics, m/rad.
-Machine miswired(const Machine& wrong) {
-    constexpr double a = -0.046895835131;
-    constexpr double b = -0.024700450478;
-    constexpr double c = -0.056329734687;
-    constexpr double d = 0.064866749038;
-    const double det = a * d - b * c;
-    const auto felt = [&](const Vec2& force) {
-        const Vec2 torque{a * force.x + c * force.y, b * force.x + d * force.y};
-        const Vec2 got = torque.x * wrong[0] + torque.y * wrong[1];
-        return Vec2{(d * got.x - c * got.y) / det, (a * got.y - b * got.x) / det};
-    };
-    return {felt({1.0, 0.0}), felt({0.0, 1.0})};
-}
-
-const Machine kBoth = miswired({Vec2{-1.0, 0.0}, Vec2{0.0, -1.0}});
-const Machine kFirst = miswired({Vec2{-1.0, 0.0}, Vec2{0.0, 1.0}});
-const Machine kSecond = miswired({Vec2{1.0, 0.0}, Vec2{0.0, -1.0}});
-const Machine kSwapped = miswired({Vec2{0.0, 1.0}, Vec2{1.0, 0.0}});
-const double kHalf = std::sqrt(0.5);
-
-PressedWall pressed(const Machine& machine, const Vec2& side, double hand, double press) {
-    return {.hand_k = hand,
-            .hand_b = hand / 40.0,
-            .press = press,
-            .normal = side,
-            .machine = machine,
-            .limits = {.max_force = 1.5, .ramp_step = 0.005, .watch_runaway = true}};
-}
-
-}  // namespace
-
 TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full") {
     SEEDED(random, std::uint64_t{40});
     // Of a light hand to one that just gives way: 200 N/m pull against it.
@@ -245,26 +257,6 @@ TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard
     wall.stiffness = random.in(100.0, 400.0);
     CHECK((wall.run(3.0).trip == Trip::none));
 }
-
-namespace {
-
-/// Whether a handle trips that comes at `came` m/s and from `at` m on goes on at `on` m/s, by a
-/// command that is full from there on or never, read once a ms in steps of 0.1 mm.
-bool trips(double came, double on, double at, bool full = true) {
-    RunawayWatch watch;
-    double y = 0.05;
-    for (int k = 0; k < 3000 && y > -0.1; ++k) {
-        y -= 1e-3 * (y > -at ? came : on);
-        const double read = std::floor(y / 1e-4 + 0.5) * 1e-4;
-        const double depth = std::fmax(0.0, -read);
-        if (runs_away(watch, full && depth >= at, depth, {0.0, read, 0.0}, 1e-3 * k)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-}  // namespace
 
 TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway") {
     SEEDED(random, std::uint64_t{100});

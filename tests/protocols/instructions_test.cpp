@@ -12,6 +12,20 @@ namespace {
 
 const std::string kStudy = short_text("shape_friction");
 
+Protocol shipped(std::string_view name) {
+    return parse_protocol(short_text(name), name);
+}
+
+/// Within `reach` of the start, in each direction.
+engine::Vec3 near(const StartGate& gate, tests::Random& random, double reach) {
+    const auto off = [&] {
+        return random.in(-reach, reach);
+    };
+    const double x = off();
+    const double y = off();
+    return gate.start() + engine::Vec3{x, y, gate.in_space() ? off() : 0.0};
+}
+
 }  // namespace
 
 TEST_CASE("what a study has without saying so changes no hash, and what it says does") {
@@ -58,24 +72,6 @@ TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more") 
     CHECK_THAT(said(longest + "x"), Has(":7: end is ", "601 bytes: give 1 to 600 bytes of text"));
     CHECK(said("1\\n2\\n\\n4\\n5\\n6\\n7\\n8") == "accepted");  // more: protocol_problems.tsv
 }
-
-namespace {
-
-Protocol shipped(std::string_view name) {
-    return parse_protocol(short_text(name), name);
-}
-
-/// Within `reach` of the start, in each direction.
-engine::Vec3 near(const StartGate& gate, tests::Random& random, double reach) {
-    const auto off = [&] {
-        return random.in(-reach, reach);
-    };
-    const double x = off();
-    const double y = off();
-    return gate.start() + engine::Vec3{x, y, gate.in_space() ? off() : 0.0};
-}
-
-}  // namespace
 
 TEST_CASE("a trial begins within the radius of the start, and nowhere without a place") {
     const StartGate gate(shipped(GENERATE("shape_friction", "patch_friction")));

@@ -19,6 +19,65 @@ Order repaired(Order order, const RunLimits& limits, Pcg32& random) {
     return order;
 }
 
+using Sequence = std::vector<std::size_t>;
+
+/// Every sequence with every ordered pair once, by trying all.
+void extend(std::size_t k,
+            Sequence& sequence,
+            std::set<std::pair<std::size_t, std::size_t>>& used,
+            std::map<Sequence, std::size_t>& all) {
+    if (used.size() == k * k) {
+        all.emplace(sequence, 0);
+        return;
+    }
+    for (std::size_t next = 0; next < k; ++next) {
+        const auto [pair, fresh] = used.emplace(sequence.back(), next);
+        if (fresh) {
+            const auto kept = *pair;
+            sequence.push_back(next);
+            extend(k, sequence, used, all);
+            sequence.pop_back();
+            used.erase(kept);
+        }
+    }
+}
+
+std::map<Sequence, std::size_t> all_sequences(std::size_t k) {
+    std::map<Sequence, std::size_t> all;
+    for (std::size_t first = 0; first < k; ++first) {
+        Sequence sequence{first};
+        std::set<std::pair<std::size_t, std::size_t>> used;
+        extend(k, sequence, used, all);
+    }
+    return all;
+}
+
+/// What not to do: walk by unused pairs at random, and take back steps from dead ends. (To begin
+/// anew at a dead end would be uniform, but from k = 8 on hardly ever ends.)
+bool backtracking(std::size_t k,
+                  Sequence& sequence,
+                  std::set<std::pair<std::size_t, std::size_t>>& used,
+                  Pcg32& random) {
+    Sequence next(k);
+    std::iota(next.begin(), next.end(), std::size_t{0});
+    shuffle(std::span(next), random);
+    for (const std::size_t symbol : next) {
+        if (used.size() == k * k) {
+            return true;
+        }
+        const std::pair pair{sequence.back(), symbol};
+        if (used.insert(pair).second) {
+            sequence.push_back(symbol);
+            if (backtracking(k, sequence, used, random)) {
+                return true;
+            }
+            sequence.pop_back();
+            used.erase(pair);
+        }
+    }
+    return used.size() == k * k;
+}
+
 }  // namespace
 
 TEST_CASE("every order has each trial exactly once and keeps the run limits") {
@@ -82,69 +141,6 @@ TEST_CASE("no limits: the first shuffle is taken") {
     CHECK(OrderSampler(factorial_of(1, 1, 30), {}).draw(random).attempts == 1);
     CHECK(OrderSampler({}, {.object = 1, .friction = 1}).draw(random).order.empty());
 }
-
-namespace {
-
-using Sequence = std::vector<std::size_t>;
-
-/// Every sequence with every ordered pair once, by trying all.
-void extend(std::size_t k,
-            Sequence& sequence,
-            std::set<std::pair<std::size_t, std::size_t>>& used,
-            std::map<Sequence, std::size_t>& all) {
-    if (used.size() == k * k) {
-        all.emplace(sequence, 0);
-        return;
-    }
-    for (std::size_t next = 0; next < k; ++next) {
-        const auto [pair, fresh] = used.emplace(sequence.back(), next);
-        if (fresh) {
-            const auto kept = *pair;
-            sequence.push_back(next);
-            extend(k, sequence, used, all);
-            sequence.pop_back();
-            used.erase(kept);
-        }
-    }
-}
-
-std::map<Sequence, std::size_t> all_sequences(std::size_t k) {
-    std::map<Sequence, std::size_t> all;
-    for (std::size_t first = 0; first < k; ++first) {
-        Sequence sequence{first};
-        std::set<std::pair<std::size_t, std::size_t>> used;
-        extend(k, sequence, used, all);
-    }
-    return all;
-}
-
-/// What not to do: walk by unused pairs at random, and take back steps from dead ends. (To begin
-/// anew at a dead end would be uniform, but from k = 8 on hardly ever ends.)
-bool backtracking(std::size_t k,
-                  Sequence& sequence,
-                  std::set<std::pair<std::size_t, std::size_t>>& used,
-                  Pcg32& random) {
-    Sequence next(k);
-    std::iota(next.begin(), next.end(), std::size_t{0});
-    shuffle(std::span(next), random);
-    for (const std::size_t symbol : next) {
-        if (used.size() == k * k) {
-            return true;
-        }
-        const std::pair pair{sequence.back(), symbol};
-        if (used.insert(pair).second) {
-            sequence.push_back(symbol);
-            if (backtracking(k, sequence, used, random)) {
-                return true;
-            }
-            sequence.pop_back();
-            used.erase(pair);
-        }
-    }
-    return used.size() == k * k;
-}
-
-}  // namespace
 
 TEST_CASE("a first-order balanced sequence has every ordered pair once") {
     EACH(k, range(std::size_t{1}, std::size_t{25}));

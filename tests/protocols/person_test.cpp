@@ -47,6 +47,53 @@ Protocol three_objects() {
     return study_of({-10.0, 0.0, 10.0});
 }
 
+double below(double z) {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+Protocol five_objects() {
+    Protocol protocol = study_of({-10.0, -5.0, 0.0, 5.0, 10.0});
+    protocol.frictions = {{.name = "off"}, {.name = "on", .mu_s = 0.7, .mu_d = 0.5}};
+    protocol.design.repetitions = 10;
+    return protocol;
+}
+
+/// Hands that feel each curvature as it is.
+std::vector<FeltTrial> exact_hands(const Protocol& protocol) {
+    std::vector<FeltTrial> hands;
+    for (std::size_t object = 0; object < protocol.objects.size(); ++object) {
+        for (const std::size_t friction : {0U, 1U}) {
+            const double curvature = protocol.objects[object].curvature;
+            hands.push_back({object, friction,
+                             Cues{.force = curvature,
+                                  .position = curvature,
+                                  .friction = friction == 1 ? 0.5 : 0.0}});
+        }
+    }
+    return hands;
+}
+
+constexpr FrictionPair kPair{.without = 0, .with = 1};
+
+struct Sums {
+    double expected = 0.0;
+    double without = 0.0;
+    double with = 0.0;
+    double trials = 0.0;
+};
+
+Sums sums_of(const JudgedPeople& people, std::size_t count) {
+    Sums sums;
+    for (std::size_t i = 0; i < count; ++i) {
+        const JudgedPerson one = people.person(3, i / 20, i % 20);
+        sums.expected += (one.share_with - one.share_without) / static_cast<double>(count);
+        sums.without += static_cast<double>(one.right_without);
+        sums.with += static_cast<double>(one.right_with);
+        sums.trials += static_cast<double>(one.trials);
+    }
+    return sums;
+}
+
 }  // namespace
 
 TEST_CASE("people are drawn with the spread that an observer file says") {
@@ -210,57 +257,6 @@ TEST_CASE("what is wrong with an observer file is said with its line and column"
     }
     CHECK_THROWS_AS(parse_observer("[observer]\n", "o.toml"), ProtocolError);
 }
-
-namespace {
-
-double below(double z) {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
-}
-
-Protocol five_objects() {
-    Protocol protocol = study_of({-10.0, -5.0, 0.0, 5.0, 10.0});
-    protocol.frictions = {{.name = "off"}, {.name = "on", .mu_s = 0.7, .mu_d = 0.5}};
-    protocol.design.repetitions = 10;
-    return protocol;
-}
-
-/// Hands that feel each curvature as it is.
-std::vector<FeltTrial> exact_hands(const Protocol& protocol) {
-    std::vector<FeltTrial> hands;
-    for (std::size_t object = 0; object < protocol.objects.size(); ++object) {
-        for (const std::size_t friction : {0U, 1U}) {
-            const double curvature = protocol.objects[object].curvature;
-            hands.push_back({object, friction,
-                             Cues{.force = curvature,
-                                  .position = curvature,
-                                  .friction = friction == 1 ? 0.5 : 0.0}});
-        }
-    }
-    return hands;
-}
-
-constexpr FrictionPair kPair{.without = 0, .with = 1};
-
-struct Sums {
-    double expected = 0.0;
-    double without = 0.0;
-    double with = 0.0;
-    double trials = 0.0;
-};
-
-Sums sums_of(const JudgedPeople& people, std::size_t count) {
-    Sums sums;
-    for (std::size_t i = 0; i < count; ++i) {
-        const JudgedPerson one = people.person(3, i / 20, i % 20);
-        sums.expected += (one.share_with - one.share_without) / static_cast<double>(count);
-        sums.without += static_cast<double>(one.right_without);
-        sums.with += static_cast<double>(one.right_with);
-        sums.trials += static_cast<double>(one.trials);
-    }
-    return sums;
-}
-
-}  // namespace
 
 TEST_CASE("people who all judge alike are right as often as criteria midway say") {
     const Protocol protocol = five_objects();

@@ -8,6 +8,12 @@ namespace {
 
 const std::string kDefaultStudy = short_text("shape_friction");
 
+/// Tables that the default study leaves out.
+constexpr std::string_view kYounger =
+    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
+    "\"Feel.\\nAnswer.\"\n"
+    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
+
 }  // namespace
 
 TEST_CASE("every wrong file is refused at the right place, with the value and a remedy") {
@@ -89,16 +95,6 @@ TEST_CASE("a file that cannot be read says so in the same form") {
         "/nowhere/p.toml:1:1: cannot be read: No such file or directory; check the path");
     CHECK_THROWS_WITH(load_protocol("/"), "/:1:1: cannot be read: it is a folder; check the path");
 }
-
-namespace {
-
-/// Tables that the default study leaves out.
-constexpr std::string_view kYounger =
-    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
-    "\"Feel.\\nAnswer.\"\n"
-    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
-
-}  // namespace
 
 TEST_CASE("no file, however broken, does more than be refused line by line") {
     const std::string file = GENERATE(

@@ -8,6 +8,7 @@
 
 using engine::Mode;
 using engine::TickRecord;
+using engine::Vec2;
 using namespace palpate::protocols;
 
 namespace {
@@ -42,6 +43,56 @@ TickRecord tick_on(std::int64_t k, std::int16_t segment, double u) {
     tick.u = u;
     tick.mode = Mode::slip;
     return tick;
+}
+
+/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls
+/// it back.
+TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
+    const Vec2 t{std::cos(angle), std::sin(angle)};
+    const Vec2 n{-t.y, t.x};
+    TickRecord tick;
+    tick.tick = k;
+    tick.time_ns = k * 1'000'000;
+    tick.hip = engine::Vec3(place * t - 0.001 * n, 0.0);
+    tick.normal_force = 1.0;
+    tick.tangential_force = pull;
+    tick.force = engine::Vec3(n + pull * t, 0.0);
+    tick.mode = engine::Mode::slip;
+    return tick;
+}
+
+/// Half a period each way: every one is a stroke of 2 * amplitude.
+std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle, double tremor) {
+    StrokeCounter counter;
+    constexpr int kTicks = 500;  // a half period
+    for (int k = 0; k <= half_periods * kTicks; ++k) {
+        const double phase = std::numbers::pi * k / kTicks;
+        const double shake = tremor * std::sin(2.0 * std::numbers::pi * 0.009 * k);
+        counter.add(tick_at(k, -amplitude * std::cos(phase) + shake, angle, 0.4));
+    }
+    return counter.strokes();
+}
+
+/// A second of a hand in and out of contact, in no order.
+protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
+    const engine::Scene scene = felt_scene(0.0);
+    protocols::TrialMeter meter(1000.0, scene);
+    for (int k = 0; k < 1000; ++k) {
+        TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
+        tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
+        tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
+        tick.flags = static_cast<std::uint8_t>(touches ? random.below(256) : 0);  // no episode
+        tick.normal_force = random.in(0.0, 8.0);
+        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
+        meter.add(std::span(&tick, 1));
+    }
+    return meter.summary();
+}
+
+double number(const protocols::Measure::Value& value) {
+    return std::holds_alternative<double>(value)
+             ? std::get<double>(value)
+             : static_cast<double>(std::get<std::int64_t>(value));
 }
 
 }  // namespace
@@ -165,41 +216,6 @@ TEST_CASE("a hand that was never in contact has no speed, no force and covers no
     CHECK(meter.covered_share() == 0.0);
 }
 
-using engine::TickRecord;
-using engine::Vec2;
-
-namespace {
-
-/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls
-/// it back.
-TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
-    const Vec2 t{std::cos(angle), std::sin(angle)};
-    const Vec2 n{-t.y, t.x};
-    TickRecord tick;
-    tick.tick = k;
-    tick.time_ns = k * 1'000'000;
-    tick.hip = engine::Vec3(place * t - 0.001 * n, 0.0);
-    tick.normal_force = 1.0;
-    tick.tangential_force = pull;
-    tick.force = engine::Vec3(n + pull * t, 0.0);
-    tick.mode = engine::Mode::slip;
-    return tick;
-}
-
-/// Half a period each way: every one is a stroke of 2 * amplitude.
-std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle, double tremor) {
-    StrokeCounter counter;
-    constexpr int kTicks = 500;  // a half period
-    for (int k = 0; k <= half_periods * kTicks; ++k) {
-        const double phase = std::numbers::pi * k / kTicks;
-        const double shake = tremor * std::sin(2.0 * std::numbers::pi * 0.009 * k);
-        counter.add(tick_at(k, -amplitude * std::cos(phase) + shake, angle, 0.4));
-    }
-    return counter.strokes();
-}
-
-}  // namespace
-
 TEST_CASE("every sweep along the surface is one stroke, however the surface lies") {
     SEEDED(random, 60U);
     const int sweeps = 1 + random.below(12);
@@ -254,32 +270,6 @@ TEST_CASE("the meter says speed in contact and time on each side of the vertex")
     CHECK(sum.strokes_after_vertex == 1);
     CHECK(sum.reversals == 0);
 }
-
-namespace {
-
-/// A second of a hand in and out of contact, in no order.
-protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
-    const engine::Scene scene = felt_scene(0.0);
-    protocols::TrialMeter meter(1000.0, scene);
-    for (int k = 0; k < 1000; ++k) {
-        TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
-        tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
-        tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
-        tick.flags = static_cast<std::uint8_t>(touches ? random.below(256) : 0);  // no episode
-        tick.normal_force = random.in(0.0, 8.0);
-        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
-        meter.add(std::span(&tick, 1));
-    }
-    return meter.summary();
-}
-
-double number(const protocols::Measure::Value& value) {
-    return std::holds_alternative<double>(value)
-             ? std::get<double>(value)
-             : static_cast<double>(std::get<std::int64_t>(value));
-}
-
-}  // namespace
 
 TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains") {
     EACH(seed, range(0, 30));

@@ -155,6 +155,30 @@ double minutes_of_arc(const Window& window, const TextExtent& line) {
     return metres / 1.0 * 180.0 / M_PI * 60.0;
 }
 
+/// Pixels covered when `corners` are drawn in white on black.
+double coverage(const std::vector<Corner>& corners) {
+    draw_into_memory();
+    Window window({.width = 640, .height = 480, .font = {}});
+    window.clear({0, 0, 0});
+    window.fine({0.0, 0.0}, {640.0, 480.0}, [&] { window.triangles(corners, {255, 255, 255}); });
+    window.present();
+    double sum = 0.0;
+    const std::vector<std::uint8_t> pixels = window.pixels();
+    for (std::size_t i = 0; i < pixels.size(); i += 4) {
+        sum += pixels[i] / 255.0;
+    }
+    return sum;
+}
+
+std::vector<Vec2> ellipse(double a, double b, int points) {
+    std::vector<Vec2> outline;
+    for (int i = 0; i < points; ++i) {
+        const double t = 2.0 * M_PI * i / points;
+        outline.push_back({320.3 + a * std::cos(t), 240.6 + b * std::sin(t)});
+    }
+    return outline;
+}
+
 }  // namespace
 
 TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of every size") {
@@ -232,34 +256,6 @@ TEST_CASE("on a Turkish screen a trouble is said in Turkish alone") {
                              !Catch::Contains(std::string(english)));
     }
 }
-
-namespace {
-
-/// Pixels covered when `corners` are drawn in white on black.
-double coverage(const std::vector<Corner>& corners) {
-    draw_into_memory();
-    Window window({.width = 640, .height = 480, .font = {}});
-    window.clear({0, 0, 0});
-    window.fine({0.0, 0.0}, {640.0, 480.0}, [&] { window.triangles(corners, {255, 255, 255}); });
-    window.present();
-    double sum = 0.0;
-    const std::vector<std::uint8_t> pixels = window.pixels();
-    for (std::size_t i = 0; i < pixels.size(); i += 4) {
-        sum += pixels[i] / 255.0;
-    }
-    return sum;
-}
-
-std::vector<Vec2> ellipse(double a, double b, int points) {
-    std::vector<Vec2> outline;
-    for (int i = 0; i < points; ++i) {
-        const double t = 2.0 * M_PI * i / points;
-        outline.push_back({320.3 + a * std::cos(t), 240.6 + b * std::sin(t)});
-    }
-    return outline;
-}
-
-}  // namespace
 
 // Closed form: a line of width w along a circle of radius R covers 2 pi R w.
 TEST_CASE("a stroke covers its true area within 1 %") {

@@ -50,6 +50,27 @@ void happens_to_window(SDL_WindowEventID what) {
     tests::SDL_PushEvent(&event);
 }
 
+/// Those that say numbers, and how many.
+constexpr std::pair<std::string_view ui::Words::*, int> kNumbers[] = {
+    {&ui::Words::trials, 1},
+    {&ui::Words::practice_first, 2},
+    {&ui::Words::trial, 2},
+    {&ui::Words::practice_trial, 2},
+    {&ui::Words::choose, 1},
+    {&ui::Words::choose_level, 1},
+    {&ui::Words::next_trial, 2},
+    {&ui::Words::next_practice, 2},
+    {&ui::Words::wait, 1},
+    {&ui::Words::marked, 2},
+    {&ui::Words::practice_marked, 2},
+};
+
+/// Every sentence: the words are nothing else.
+auto sentences_of(const ui::Words& words) {
+    return std::bit_cast<
+        std::array<std::string_view, sizeof(ui::Words) / sizeof(std::string_view)>>(words);
+}
+
 }  // namespace
 
 TEST_CASE("a trial with a dead-man key begins when Space goes down, and not before") {
@@ -202,31 +223,6 @@ TEST_CASE("the console says what happened, what to do, and what follows") {
     CHECK_THAT(trouble_text({.sentence = "", .solved = true, .by_hand = true}),
                Has("Ctrl+Shift+P"));
 }
-
-namespace {
-
-/// Those that say numbers, and how many.
-constexpr std::pair<std::string_view ui::Words::*, int> kNumbers[] = {
-    {&ui::Words::trials, 1},
-    {&ui::Words::practice_first, 2},
-    {&ui::Words::trial, 2},
-    {&ui::Words::practice_trial, 2},
-    {&ui::Words::choose, 1},
-    {&ui::Words::choose_level, 1},
-    {&ui::Words::next_trial, 2},
-    {&ui::Words::next_practice, 2},
-    {&ui::Words::wait, 1},
-    {&ui::Words::marked, 2},
-    {&ui::Words::practice_marked, 2},
-};
-
-/// Every sentence: the words are nothing else.
-auto sentences_of(const ui::Words& words) {
-    return std::bit_cast<
-        std::array<std::string_view, sizeof(ui::Words) / sizeof(std::string_view)>>(words);
-}
-
-}  // namespace
 
 TEST_CASE("every sentence of every language is there and says its numbers") {
     const Language language = GENERATE(Language::en, Language::tr);
