@@ -1,6 +1,7 @@
 #include <boost/math/distributions/normal.hpp>
 
 #include "data/choice/similarity_choice.hpp"
+#include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -76,30 +77,16 @@ double log_likelihood(const std::vector<CallCounts>& both, const Namer& off, con
 
 /// The highest near a place, by steps along one number at a time that shrink.
 double highest_near(const std::vector<CallCounts>& both, Namer off, Namer on) {
-    std::array<double*, 7> all{&off.criteria[0], &off.criteria[1], &off.criteria[2],
-                               &off.criteria[3], &off.sigma,       &on.sigma,
-                               &on.shift};
+    const std::vector<double*> all{&off.criteria[0], &off.criteria[1], &off.criteria[2],
+                                   &off.criteria[3], &off.sigma,       &on.sigma,
+                                   &on.shift};
     const auto value = [&] {
         on.criteria = off.criteria;
         const bool in_order = std::ranges::is_sorted(off.criteria);
         return in_order && off.sigma > 0.01 && on.sigma > 0.01 ? log_likelihood(both, off, on)
                                                                : -HUGE_VAL;
     };
-    double best = value();
-    for (double step = 1.0; step > 1e-3;) {
-        const double before = best;
-        for (double* one : all) {
-            for (const double by : {step, -step}) {
-                const double kept = *one;
-                *one += by;
-                const double here = value();
-                best = std::max(best, here);
-                *one = here < best ? kept : *one;
-            }
-        }
-        step *= best > before + 1e-4 ? 1.0 : 0.5;
-    }
-    return best;
+    return highest_by_steps(value, all, 1.0, 1e-3, 1e-4);
 }
 
 }  // namespace

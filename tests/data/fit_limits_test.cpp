@@ -1,5 +1,6 @@
 #include "data/fit/fit_report.hpp"
 #include "data/fit/optimum.hpp"
+#include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -168,21 +169,11 @@ double highest_normal(const std::vector<Level>& levels, bool lapse_free) {
         }
         return at[2] < 0.0 || at[2] > 0.25 ? -HUGE_VAL : sum;
     };
-    double best = value();
-    for (double step = 0.1; step > 1e-6;) {
-        const double before = best;
-        for (std::size_t i = 0; i < (lapse_free ? 3U : 2U); ++i) {
-            for (const double by : {step, -step}) {
-                const double kept = at.at(i);
-                at.at(i) += by;
-                const double here = value();
-                best = std::max(best, here);
-                at.at(i) = here < best ? kept : at.at(i);
-            }
-        }
-        step *= best > before + 1e-9 ? 1.0 : 0.5;
+    std::vector<double*> free{&at[0], &at[1]};
+    if (lapse_free) {
+        free.push_back(&at[2]);
     }
-    return best;
+    return highest_by_steps(value, free, 0.1, 1e-6, 1e-9);
 }
 
 TEST_CASE("the second optimiser confirms ordinary curves, which are the highest there is") {
