@@ -126,17 +126,6 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         disk.fail(SIZE_MAX, 0, false);
         const Promise& promised = promises.back();
         CHECK((!said.empty() || promised.finished));
-        Database database(folder.file("a.sqlite"), Access::write);
-        REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
-        CHECK(count(database, "response") >= static_cast<std::int64_t>(promised.answered));
-        CHECK(database
-                  .first(fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {}",
-                                     promised.trial))
-                  .integer(0) >= promised.ticks);
-        if (!promised.finished) {
-            CHECK(run(database, spec).empty());
-        }
-        CHECK(content(database) == whole);
-        CHECK(differences(database) == "");
+        check_left(folder.file("a.sqlite"), spec, promised, whole, true);
     }
 }
