@@ -1,7 +1,10 @@
+#include <glm/vec4.hpp>
+
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/runge_kutta.hpp"
 
 using namespace palpate::engine;
 
@@ -189,45 +192,30 @@ std::vector<Vec2> exact_rest(const DnurbsSpec& spec, double u, const Vec2& force
     return q;
 }
 
-/// The motion of the bow's two free points, Runge and Kutta's fourth order in steps of 10 us: M and
-/// D are multiples of one matrix.
+/// The motion of the bow's two free points, in steps of 10 us: M and D are multiples of one matrix.
 std::vector<Vec2> fine_motion(const DnurbsSpec& spec, double u, const Vec2& force, double time) {
     const Matrices m = oracle_of(spec);
     const auto r = rational_basis(spec, u);
-    using State = std::array<long double, 4>;  // q1, q2, v1, v2 along the force
-    const LongMatrix mass{{spec.mu * m.gram[1][1], spec.mu * m.gram[1][2]},
-                          {spec.mu * m.gram[2][1], spec.mu * m.gram[2][2]}};
-    const auto slope = [&](const State& y) {
-        std::vector<long double> side(2);
-        for (std::size_t i = 0; i < 2; ++i) {
-            side[i] = r[i + 1][0];
-            for (std::size_t j = 0; j < 2; ++j) {
-                side[i] -=
-                    spec.gamma * m.gram[i + 1][j + 1] * y[2 + j] + m.stiffness[i + 1][j + 1] * y[j];
-            }
-        }
-        const auto a = solved(mass, side);
-        return State{y[2], y[3], a[0], a[1]};
+    using Two = glm::vec<2, long double>;
+    using State = glm::vec<4, long double>;  // q1, q2, v1, v2 along the force
+    const auto inner = [](const LongMatrix& all, const Two& by) {
+        return Two{all[1][1] * by.x + all[1][2] * by.y, all[2][1] * by.x + all[2][2] * by.y};
     };
-    const auto moved = [](const State& y, const State& k, long double h) {
-        State z = y;
-        for (std::size_t i = 0; i < 4; ++i) {
-            z[i] += h * k[i];
-        }
-        return z;
+    const Two load{r[1][0], r[2][0]};
+    const long double det = m.gram[1][1] * m.gram[2][2] - m.gram[1][2] * m.gram[2][1];
+    const auto slope = [&](const State& y, long double /*t*/) {
+        const Two v{y.z, y.w};
+        const Two side = load - static_cast<long double>(spec.gamma) * inner(m.gram, v) -
+                         inner(m.stiffness, Two{y.x, y.y});
+        const long double mass = spec.mu * det;
+        return State{v.x, v.y, (m.gram[2][2] * side.x - m.gram[1][2] * side.y) / mass,
+                     (m.gram[1][1] * side.y - m.gram[2][1] * side.x) / mass};
     };
-    constexpr long double h = 1e-5L;
     State y{};
     for (int step = 0; step < static_cast<int>(std::lround(time / 1e-5)); ++step) {
-        const State k1 = slope(y);
-        const State k2 = slope(moved(y, k1, 0.5L * h));
-        const State k3 = slope(moved(y, k2, 0.5L * h));
-        const State k4 = slope(moved(y, k3, h));
-        for (std::size_t i = 0; i < 4; ++i) {
-            y[i] += h / 6.0L * (k1[i] + 2.0L * k2[i] + 2.0L * k3[i] + k4[i]);
-        }
+        y = runge_kutta(y, 1e-5L, slope);
     }
-    return {{}, static_cast<double>(y[0]) * force, static_cast<double>(y[1]) * force, {}};
+    return {{}, static_cast<double>(y.x) * force, static_cast<double>(y.y) * force, {}};
 }
 
 std::vector<Vec2> stepped(const Dnurbs& curve, double u, const Vec2& force, double h, double time) {

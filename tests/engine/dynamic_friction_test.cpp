@@ -1,19 +1,15 @@
 #include "tests/support/law_cases.hpp"
+#include "tests/support/runge_kutta.hpp"
 
 using namespace palpate::engine;
 
 namespace {
 
-/// One tick of dz/ds = rate(z, sgn) over the travel, by many steps of the classical Runge-Kutta
-/// rule.
+/// One tick of dz/ds = rate(z) over the travel, in many steps.
 double finely(double z, double travel, int steps, const std::function<double(double)>& rate) {
-    const double h = std::fabs(travel) / steps;
     for (int i = 0; i < steps; ++i) {
-        const double a = rate(z);
-        const double b = rate(z + 0.5 * h * a);
-        const double d = rate(z + 0.5 * h * b);
-        const double e = rate(z + h * d);
-        z += h / 6.0 * (a + 2.0 * b + 2.0 * d + e);
+        z = tests::runge_kutta(z, std::fabs(travel) / steps,
+                               [&](double now, double /*s*/) { return rate(now); });
     }
     return z;
 }

@@ -1,7 +1,10 @@
+#include <glm/vec4.hpp>
+
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/runge_kutta.hpp"
 
 using namespace palpate::engine;
 
@@ -21,7 +24,7 @@ PlantModel bare() {
 }
 
 /// The same machine by Lagrange's equation, from nothing but the handle's place: the kinetic
-/// energy's derivatives are differences, the integrator is Runge-Kutta of order 4.
+/// energy's derivatives are differences.
 class Lagrangian {
 public:
     Lagrangian(const PlantModel& model, const JointAngles& q, const Vec2& aim)
@@ -34,27 +37,14 @@ public:
                 model_.current_time > 0.0 ? std::exp(-t / model_.current_time) : 0.0;
             return command + left * away;
         };
-        const State a = slope(state_, at(0.0));
-        const State b = slope(sum(state_, a, 0.5 * dt), at(0.5 * dt));
-        const State c = slope(sum(state_, b, 0.5 * dt), at(0.5 * dt));
-        const State d = slope(sum(state_, c, dt), at(dt));
-        for (std::size_t i = 0; i < 4; ++i) {
-            state_[i] += dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-        }
+        state_ = palpate::tests::runge_kutta(
+            state_, dt, [&](const State& s, double t) { return slope(s, at(t)); });
         torque_ = at(dt);
     }
-    [[nodiscard]] double angle(std::size_t i) const { return state_[i]; }
+    [[nodiscard]] double angle(std::size_t i) const { return state_[static_cast<int>(i)]; }
 
 private:
-    using State = std::array<double, 4>;
-
-    static State sum(const State& a, const State& b, double times) {
-        State c{};
-        for (std::size_t i = 0; i < 4; ++i) {
-            c[i] = a[i] + times * b[i];
-        }
-        return c;
-    }
+    using State = glm::dvec4;  // both angles, both rates
 
     /// Intersection of two circles about the elbows.
     [[nodiscard]] Vec2 handle(double q1, double q2) const {
