@@ -20,21 +20,16 @@ std::string shown_on(ui::SubjectScreen& screen) {
     return std::to_string(std::hash<std::string_view>{}(bytes));
 }
 
-/// Hardly a pixel more than a screen needs: each is hashed, frame by frame.
-const ui::WindowOptions kSmall{.width = 640, .height = 480, .font = {}, .instructions = {}};
-
 ui::SubjectScreenOptions small_screen(bool dead_man,
                                       ResponseKind asks = ResponseKind::identification,
                                       double guard_s = 0.25) {
-    return {.window = kSmall,
-            .watermark = {},
-            .interrupted = {},
-            .on_pointer = {},
-            .dead_man = dead_man,
-            .guard_s = guard_s,
-            .asks = asks,
-            .on_hold = {},
-            .on_stop = {}};
+    ui::SubjectScreenOptions all = options();
+    all.window.width = 640;  // hardly a pixel more than a screen needs: each is hashed
+    all.window.height = 480;
+    all.dead_man = dead_man;
+    all.guard_s = guard_s;
+    all.asks = asks;
+    return all;
 }
 
 /// Presses a key again and again until `ask` has come back.
