@@ -64,26 +64,6 @@ TEST_CASE("scenes in which long runs once found a law broken hold every law") {
     holds(*c, found.seed, tally);
 }
 
-TEST_CASE("every tick of random hands over random surfaces holds every law") {
-    Tally tally;
-    for (std::uint64_t seed = 1; seed <= tests::cases(60U); ++seed) {
-        holds(random_surface_case(seed, Mood::gentle), seed, tally);
-    }
-    CHECK(tally.in_contact > tests::cases(2000U));
-}
-
-TEST_CASE("every tick of random hands over surfaces in pieces holds every law") {
-    Tally tally;
-    for (const auto mood : {Mood::gentle, Mood::wild}) {
-        for (std::uint64_t seed = 1; seed <= tests::cases(40U); ++seed) {
-            if (const auto c = random_patches_case(seed, mood)) {
-                holds(*c, seed, tally);
-            }
-        }
-    }
-    CHECK(tally.in_contact > tests::cases(5000U));
-}
-
 TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law") {
     // Found by palpate_stress: narrow valleys next to centres of curvature, borders met at a slant,
     // poles, sheets that fold back, lie on themselves or run away, rises before the cone, weights
@@ -100,10 +80,14 @@ TEST_CASE("surfaces on which the god-object was once left outside of its cone ho
     }
     // A foot that came to rest only in the tick after; a corner that a pole shares, and a crease of
     // which one side carries, where the god-object went from side to side.
-    for (const std::uint64_t seed : {10180U, 13275U, 20674U}) {
+    // On the last flows part a thousandfold on a ring of 3 m, the hand is 650 m away, and steps that
+    // erred by a share of that ended 4.2e-6 m off.
+    for (const std::uint64_t seed : {10180U, 13275U, 20674U, 1'032'180U}) {
         const auto c = random_patches_case(seed, Mood::wild);
         REQUIRE(c);
+        const std::uint64_t before = tally.walks;
         holds(*c, seed, tally);
+        CHECK((seed != 1'032'180U || tally.walks > before + 50));
     }
 }
 
