@@ -2,6 +2,7 @@
 
 #include "engine/surface/surface_scene.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/surface_cuts.hpp"
 
 namespace palpate::bench {
@@ -146,8 +147,6 @@ struct SurfaceTick {
     }
 };
 
-constexpr engine::Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
-
 }  // namespace
 
 std::vector<Surface> contact_surfaces() {
@@ -254,8 +253,9 @@ Methods<3> own_surface_methods(const Surface& surface) {
     const auto feet = std::make_shared<const engine::SurfaceFeet>(made);
     add("certified", Kind::global, CertifiedSurface{feet});
     add("global, cold", Kind::global, GlobalSurface{feet});
-    add("tick, friction", Kind::floor, SurfaceTick({made}, kFriction));
-    add("tick, friction, force only", Kind::floor, SurfaceTick({made}, kFriction, false));
+    add("tick, friction", Kind::floor, SurfaceTick({made}, tests::kStudyFriction));
+    add("tick, friction, force only", Kind::floor,
+        SurfaceTick({made}, tests::kStudyFriction, false));
     add("tick, frictionless", Kind::floor, SurfaceTick({made}, {}));
     add("tick, frictionless, force only", Kind::floor, SurfaceTick({made}, {}, false));
     tests::Random turns(1);  // cut between knots, where no patch of the whole ends
@@ -263,9 +263,9 @@ Methods<3> own_surface_methods(const Surface& surface) {
     const auto joined = std::make_shared<const engine::SurfaceObject>(four);
     add("four joined, certified", Kind::global,
         CertifiedSurface{std::make_shared<const engine::SurfaceFeet>(joined)});
-    add("four joined, tick, friction", Kind::floor, SurfaceTick(four, kFriction));
+    add("four joined, tick, friction", Kind::floor, SurfaceTick(four, tests::kStudyFriction));
     add("four joined, tick, friction, force only", Kind::floor,
-        SurfaceTick(four, kFriction, false));
+        SurfaceTick(four, tests::kStudyFriction, false));
     const figures::TrackerSpec feedback{.gain = figures::feedback_gain(*joined, 1.0, 1e-3)};
     const figures::TrackerSpec newton{.kind = figures::TrackerKind::newton};
     add("four joined, thesis feedback", Kind::tracker,

@@ -1,11 +1,5 @@
 #include "tests/figures/friction_run.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/objects.hpp"
 #include "tests/figures/thesis/thesis_scene.hpp"
@@ -82,11 +76,8 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
         std::make_shared<const engine::Outline>(curves_of(tests::two_polygons()), false);
     const engine::Scene scene(outline, {.stiffness = kFrictionStiffness,
                                         .period = kFrictionTick,
-                                        .friction = {.mu_s = kFrictionStatic,
-                                                     .mu_d = kFrictionDynamic,
-                                                     .tau_slip = kFrictionSlip,
-                                                     .tau_heal = kFrictionHeal},
-                                        .slew = {.speed = 0.2, .radius = 0.003}});
+                                        .friction = tests::kStudyFriction,
+                                        .slew = tests::kStudySlew});
     engine::ContactState state;
     engine::TrackState track;
     FrictionRun run;

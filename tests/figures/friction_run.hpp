@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "engine/geometry/vec.hpp"
 #include "engine/rendering/mode.hpp"
 #include "tests/figures/instants.hpp"

@@ -1,14 +1,7 @@
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <vector>
-
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/mode.hpp"
+#include "tests/support/outlines.hpp"
 
 /// What runs over a curve and over a surface have in common: their numbers, HIP's straight ways,
 /// and the instants that the thesis' figures mark.
@@ -18,8 +11,6 @@ inline constexpr double kFrictionTick = 0.001;        ///< s
 inline constexpr double kFrictionStiffness = 1000.0;  ///< N/m
 inline constexpr double kFrictionStatic = 0.7;        ///< mu_s
 inline constexpr double kFrictionDynamic = 0.5;       ///< mu_d
-inline constexpr double kFrictionSlip = 0.02;         ///< s, tau_slip of our law
-inline constexpr double kFrictionHeal = 0.1;          ///< s, tau_heal of our law
 
 inline constexpr double kDepth = 0.005;     ///< m, of the first slide
 inline constexpr double kDeeper = 0.0085;   ///< m, of the second

@@ -1,11 +1,5 @@
 #include "tests/figures/surface_run.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <glm/geometric.hpp>
-
-#include "engine/surface/surface_scene.hpp"
 #include "tests/figures/instants.hpp"
 
 namespace palpate::figures {
@@ -63,17 +57,10 @@ std::shared_ptr<const NurbsSurface> dome() {
     return std::make_shared<const NurbsSurface>(3, 3, knots, knots, points, weights);
 }
 
-SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
-    const engine::SurfaceScene scene(surface,
-                                     engine::SceneSpec{.stiffness = kFrictionStiffness,
-                                                       .period = kFrictionTick,
-                                                       .friction = {.mu_s = kFrictionStatic,
-                                                                    .mu_d = kFrictionDynamic,
-                                                                    .tau_slip = kFrictionSlip,
-                                                                    .tau_heal = kFrictionHeal}});
+SurfaceRun felt_along(const engine::SurfaceScene& scene, const std::vector<Vec3>& path) {
     engine::SurfaceState state;
     SurfaceRun run;
-    for (const Vec3& hip : path_over(*surface)) {
+    for (const Vec3& hip : path) {
         const engine::SurfaceContact c = scene.tick(state, hip);
         run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,
                        .hip = hip,
@@ -84,10 +71,19 @@ SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
                        .normal_force = c.normal_force,
                        .friction_force = c.tangential_force,
                        .mu = c.mu,
+                       .surface = c.surface,
                        .go_u = c.go_u,
                        .go_v = c.go_v});
     }
     return run;
+}
+
+SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
+    return felt_along(
+        engine::SurfaceScene(surface, engine::SceneSpec{.stiffness = kFrictionStiffness,
+                                                        .period = kFrictionTick,
+                                                        .friction = tests::kStudyFriction}),
+        path_over(*surface));
 }
 
 SurfaceMarkers find_markers(const SurfaceRun& run) {

@@ -6,7 +6,6 @@
 // The thesis' figures, and the laws of contact read off the tables that are written beside them.
 
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 

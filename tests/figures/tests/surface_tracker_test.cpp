@@ -6,7 +6,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -5,7 +5,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 

@@ -8,7 +8,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -42,8 +41,7 @@ const TrackerSpec kNewton{.kind = TrackerKind::newton, .iterations = 3};
 }  // namespace
 
 TEST_CASE("with an exact tracker the frictionless thesis scene is K times the penetration") {
-    const auto seed = GENERATE(palpate::tests::seeds(5U));
-    CAPTURE(seed);
+    SEED(5U);
     const auto curves = two_cubics();
     const ThesisScene scene = scene_of(ThesisLaw::frictionless, kNewton);
     ThesisState state;
@@ -74,8 +72,7 @@ TEST_CASE("a lagging tracker is felt as drag without friction") {
 }
 
 TEST_CASE("no contact, no force: and a stuck GO rests but for its seating") {
-    const auto seed = GENERATE(palpate::tests::seeds(5U));
-    CAPTURE(seed);
+    SEED(5U);
     for (const ThesisLaw law : kLaws) {
         const ThesisScene scene = scene_of(law, kNewton);
         ThesisState state;

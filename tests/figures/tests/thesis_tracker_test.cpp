@@ -7,7 +7,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
