@@ -91,8 +91,7 @@ TEST_CASE("a trial that does not count leaves the rule as it was, and its stimul
 }
 
 TEST_CASE("what a trial says of two intervals is of both together") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     REQUIRE(run_simulated(database, session_spec(adaptive_protocol())).why ==
             protocols::SessionEnd::Why::finished);
     const std::int64_t felt = count(database, "presentation WHERE interval = 2");

@@ -122,12 +122,9 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder") {
     CHECK_THROWS_AS(
         data::export_file(file, ExportFormat::csv, {.kind = "pilot"}, folder.path() / "p"),
         std::invalid_argument);
-    {
-        Database database(file, Access::write);
-        database.execute(
-            "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
-            "holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
-    }
+    sql_edit(file,
+             "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
+             "holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
     CHECK_THROWS(data::export_file(file, ExportFormat::csv, {.traces = true}, folder.path() / "t"));
     for (const std::string& name : folder.names()) {
         CHECK_THAT(name, !Has("part"));

@@ -3,6 +3,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
@@ -96,14 +97,9 @@ TEST_CASE("a database has the name it was given, whatever that name means to SQL
     CAPTURE(name);
     const TemporaryFolder folder;
     const WorkingFolder here(folder.path());
-    {
-        Database database(name, Access::write);
-        database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
-    }
+    sql_edit(name, "INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     CHECK(folder.names() == Words{name});
-    Database again(name, Access::read);
-    auto row = again.first("SELECT participant_code FROM participant");
-    CHECK(row.text(0) == "P1");
+    CHECK(sql_first(name, "SELECT participant_code FROM participant") == "P1");
 }
 
 TEST_CASE("a database without a name is refused with a sentence, and leaves nothing") {

@@ -2,6 +2,7 @@
 #include "tests/support/database_edits.hpp"
 #include "tests/support/merge_world.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
@@ -132,11 +133,7 @@ TEST_CASE(
     }
     rig.finish();
     const std::string other = copy_of(rig.file(), folder, 1);
-    {
-        Database database(other, Access::write);
-        database.execute(fmt::format("UPDATE {}", column).c_str());
-        database.checkpoint();
-    }
+    sql_edit(other, fmt::format("UPDATE {}", column));
     const Rig third(folder.file("c.sqlite"), "P07", 1);
 
     const std::string out = folder.file("out.sqlite");
@@ -146,11 +143,9 @@ TEST_CASE(
     CHECK(report.conflicts[0].second == other);
     CHECK_THAT(report.conflicts[0].what, Has("P01"));
     CHECK(report.added == 1);
-    Database database(out, Access::read);
-    auto row = database.first(
-        "SELECT group_concat(participant_code) FROM session JOIN participant USING "
-        "(participant_id)");
-    CHECK(row.text(0) == "P07");
+    CHECK(sql_first(out,
+                    "SELECT group_concat(participant_code) FROM session JOIN participant USING "
+                    "(participant_id)") == "P07");
 }
 
 TEST_CASE("of a session that two files tell differently the preferred file's is taken") {
@@ -218,10 +213,9 @@ TEST_CASE(
     CHECK(newest.notices.size() == 1);
     CHECK(newest.added == 2);
     for (const Rig* rig : {&a, &b}) {
-        Database one(rig->file(), Access::write);
-        one.execute(
-            "UPDATE participant SET handedness_utc = '2026-01-01T00:00:00.000Z'; UPDATE "
-            "participant_detail SET noted_utc = '2026-01-01T00:00:00.000Z'");
+        sql_edit(rig->file(),
+                 "UPDATE participant SET handedness_utc = '2026-01-01T00:00:00.000Z'; UPDATE "
+                 "participant_detail SET noted_utc = '2026-01-01T00:00:00.000Z'");
     }
     const std::string none = folder.file("none.sqlite");
     const MergeReport report = data::merge_files(none, {b.file(), a.file()});

@@ -3,8 +3,8 @@
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/runge_kutta.hpp"
+#include "tests/support/surface_oracle.hpp"
 
 using namespace palpate::engine;
 
@@ -50,35 +50,16 @@ DnurbsSpec random_curve(Random& random, bool rational) {
     return spec;
 }
 
-/// B-splines and their derivatives by recursion on the degree (Piegl & Tiller eq. 2.9), in long
-/// double.
-long double spline(const std::vector<double>& t, std::size_t i, int p, long double u, int order) {
-    if (order == 0) {
-        return basis(t, i, p, u);
-    }
-    const auto q = static_cast<std::size_t>(p);
-    const long double left = static_cast<long double>(t[i + q]) - t[i];
-    const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
-    long double sum = 0.0L;
-    if (p > 0 && left > 0.0L) {
-        sum += static_cast<long double>(p) / left * spline(t, i, p - 1, u, order - 1);
-    }
-    if (p > 0 && right > 0.0L) {
-        sum -= static_cast<long double>(p) / right * spline(t, i + 1, p - 1, u, order - 1);
-    }
-    return sum;
-}
-
 /// All rational basis functions and their first two derivatives.
 std::vector<std::array<long double, 3>> rational_basis(const DnurbsSpec& spec, long double u) {
     const std::size_t n = spec.points.size();
+    const auto splines = basis_jet(spec.knots, knot_piece(spec.knots, u), spec.degree, n, u);
     std::array<long double, 3> whole{};
     std::vector<std::array<long double, 3>> r(n);
     for (std::size_t i = 0; i < n; ++i) {
         const long double w = spec.weights.empty() ? 1.0L : spec.weights[i];
-        for (int order = 0; order < 3; ++order) {
-            const auto k = static_cast<std::size_t>(order);
-            r[i][k] = w * spline(spec.knots, i, spec.degree, u, order);
+        for (std::size_t k = 0; k < 3; ++k) {
+            r[i][k] = w * splines[k][i];
             whole[k] += r[i][k];
         }
     }
