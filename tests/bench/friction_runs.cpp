@@ -1,6 +1,7 @@
 #include "tests/bench/friction_runs.hpp"
 
 #include "engine/rendering/energy_ledger.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::bench {
@@ -12,17 +13,9 @@ constexpr double kStiffness = 1000.0;  ///< N/m
 constexpr double kLoad = 4.0;          ///< N
 constexpr double kTick = 1e-3;         ///< s
 
-std::shared_ptr<const engine::Outline> flat_ground() {
-    const std::vector<Vec2> corners{{-1.0, 0.0}, {1.0, 0.0}, {1.0, -1.0}, {-1.0, -1.0}};
-    std::vector<engine::RationalBezier<2>> sides;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        sides.push_back(engine::make_line(corners[i], corners[(i + 1) % corners.size()]));
-    }
-    return std::make_shared<const engine::Outline>(std::move(sides), true);
-}
-
 engine::Scene scene_of(const RubbedLaw& law, double period) {
-    static const auto ground = flat_ground();
+    static const auto ground =
+        tests::polyline({{-1.0, 0.0}, {1.0, 0.0}, {1.0, -1.0}, {-1.0, -1.0}}, true);
     return {ground,
             {.stiffness = kStiffness, .period = period, .friction = law.friction, .law = law.own}};
 }
@@ -213,10 +206,9 @@ void times_of(const RubbedLaw& law, FrictionRow& row) {
 
 std::vector<RubbedLaw> rubbed_laws() {
     const engine::Friction one{.mu_s = 0.5, .mu_d = 0.5};
-    std::vector<RubbedLaw> laws{
-        {.name = "frictionless", .friction = {}},
-        {.name = "gos", .friction = {.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1}},
-        {.name = "coulomb", .friction = one}};
+    std::vector<RubbedLaw> laws{{.name = "frictionless", .friction = {}},
+                                {.name = "gos", .friction = tests::kStudyFriction},
+                                {.name = "coulomb", .friction = one}};
     for (const engine::LawTraits* const each : engine::all_laws()) {
         const engine::LawTraits& traits = *each;
         RubbedLaw& law = laws.emplace_back();

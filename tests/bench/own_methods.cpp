@@ -3,6 +3,7 @@
 #include "engine/rendering/scene.hpp"
 #include "tests/bench/polyline.hpp"
 #include "tests/figures/thesis/curve_tracker.hpp"
+#include "tests/support/outlines.hpp"
 
 namespace palpate::bench {
 
@@ -14,6 +15,7 @@ using figures::TrackedFoot;
 using figures::TrackerKind;
 using figures::TrackerSpec;
 using figures::TrackerState;
+using tests::kStudyFriction;
 
 constexpr double kTick = 1e-3;
 
@@ -201,9 +203,6 @@ struct AllSpans {
     }
 };
 
-constexpr engine::Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
-constexpr engine::Slew kSlew{.speed = 0.2, .radius = 0.003};
-
 }  // namespace
 
 std::unique_ptr<Method<2>> newton_update() {
@@ -234,14 +233,14 @@ Methods<2> tick_methods(const Object& object) {
     const auto add = [&](const char* name, const engine::SceneSpec& spec) {
         methods.push_back(make_method<2>(name, Kind::floor, Tick(object, spec)));
     };
-    add("tick, friction and slew", {.friction = kFriction, .slew = kSlew});
-    add("tick, friction", {.friction = kFriction});
+    add("tick, friction and slew", {.friction = kStudyFriction, .slew = tests::kStudySlew});
+    add("tick, friction", {.friction = kStudyFriction});
     methods.push_back(make_method<2>("tick, friction, and closest point", Kind::floor,
-                                     Tick(object, {.friction = kFriction}, true)));
-    add("tick, friction and damper", {.damping = 0.2, .friction = kFriction});
+                                     Tick(object, {.friction = kStudyFriction}, true)));
+    add("tick, friction and damper", {.damping = 0.2, .friction = kStudyFriction});
     add("tick, frictionless", {});
     methods.push_back(make_method<2>("tick, out of reach", Kind::floor,
-                                     FarTick{Tick(object, {.friction = kFriction})}));
+                                     FarTick{Tick(object, {.friction = kStudyFriction})}));
     return methods;
 }
 
@@ -256,8 +255,8 @@ Methods<2> soft_methods(const Object& object) {
     const auto add = [&](const char* name, const engine::SceneSpec& spec) {
         methods.push_back(make_method<2>(name, Kind::floor, Tick(closed, spec)));
     };
-    add("tick on a base line, friction", {.friction = kFriction});
-    add("the same, soft: 1 mm/N", {.friction = kFriction, .compliance = 1e-3});
+    add("tick on a base line, friction", {.friction = kStudyFriction});
+    add("the same, soft: 1 mm/N", {.friction = kStudyFriction, .compliance = 1e-3});
     return methods;
 }
 

@@ -150,8 +150,8 @@ struct Plan {
 
 /// One line of the table and of the CSV.
 struct Line {
-    std::string part;
-    std::string method;
+    std::string part{};
+    std::string method{};
     double rate_hz = 1000.0;
     int round = 0;
     std::int64_t ticks = 0;
@@ -169,9 +169,7 @@ double us(std::int64_t ns) {
 }
 
 Line line_of(const LatenessHistogram& lateness, double processor_share) {
-    return {.part = {},
-            .method = {},
-            .ticks = lateness.count(),
+    return {.ticks = lateness.count(),
             .p50_us = us(lateness.quantile_ns(0.50)),
             .p99_us = us(lateness.quantile_ns(0.99)),
             .p999_us = us(lateness.quantile_ns(0.999)),
@@ -182,9 +180,7 @@ Line line_of(const LatenessHistogram& lateness, double processor_share) {
 }
 
 Line line_of(const ui::Cyclictest& theirs) {
-    return {.part = {},
-            .method = {},
-            .ticks = theirs.total(),
+    return {.ticks = theirs.total(),
             .p50_us = theirs.quantile_us(0.50),
             .p99_us = theirs.quantile_us(0.99),
             .p999_us = theirs.quantile_us(0.999),
@@ -192,9 +188,7 @@ Line line_of(const ui::Cyclictest& theirs) {
 }
 
 Line line_of(std::vector<double> ns) {
-    return {.part = {},
-            .method = {},
-            .ticks = static_cast<std::int64_t>(ns.size()),
+    return {.ticks = static_cast<std::int64_t>(ns.size()),
             .p50_us = 1e-3 * percentile(ns, 0.50),
             .p99_us = 1e-3 * percentile(ns, 0.99),
             .p999_us = 1e-3 * percentile(ns, 0.999),

@@ -2,52 +2,11 @@
 
 #include "engine/surface/surface_scene.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"
+#include "tests/support/outlines.hpp"
 #include "tests/support/surface_cuts.hpp"
 
 namespace palpate::bench {
 namespace {
-
-constexpr std::size_t kGrid = 80;
-
-/// Newton's iteration on the square of the distance, inside the domain; an axis that leaves it is
-/// held.
-Truth<3> refine(const tests::SurfaceOracle& oracle, const Vec3& hip, long double u, long double v) {
-    using tests::inner;
-    const long double end_u = oracle.data().knots_u.back();
-    const long double end_v = oracle.data().knots_v.back();
-    Truth<3> best{std::numeric_limits<long double>::infinity(), {}};
-    for (int i = 0; i < 60; ++i) {
-        const tests::LongJet s = oracle.jet(u, v);
-        const tests::Long3 gap = tests::minus(s.s, hip);
-        const long double distance = std::sqrt(inner(gap, gap));
-        if (distance <= best.distance * (1.0L + 1e-18L)) {  // flat at its minimum: go on
-            best = {std::min(distance, best.distance),
-                    {static_cast<double>(s.s[0]), static_cast<double>(s.s[1]),
-                     static_cast<double>(s.s[2])}};
-        }
-        const long double gu = inner(gap, s.su);
-        const long double gv = inner(gap, s.sv);
-        long double a = inner(s.su, s.su) + inner(gap, s.suu);
-        long double b = inner(s.su, s.sv) + inner(gap, s.suv);
-        long double c = inner(s.sv, s.sv) + inner(gap, s.svv);
-        if (!(a > 0.0L && a * c > b * b)) {  // no minimum here: Gauss and Newton's
-            a = inner(s.su, s.su);
-            b = inner(s.su, s.sv);
-            c = inner(s.sv, s.sv);
-        }
-        const bool hold_u = (u <= 0.0L && gu > 0.0L) || (u >= end_u && gu < 0.0L);
-        const bool hold_v = (v <= 0.0L && gv > 0.0L) || (v >= end_v && gv < 0.0L);
-        const long double det = a * c - b * b;
-        const long double du = hold_u ? 0.0L : hold_v ? gu / a : (c * gu - b * gv) / det;
-        const long double dv = hold_v ? 0.0L : hold_u ? gv / c : (a * gv - b * gu) / det;
-        u = std::clamp(u - du, 0.0L, end_u);
-        v = std::clamp(v - dv, 0.0L, end_v);
-        if (std::fabs(du) + std::fabs(dv) < 1e-19L) {
-            break;
-        }
-    }
-    return best;
-}
 
 Surface hills(const std::string& name, bool rational) {
     Surface surface;
@@ -146,8 +105,6 @@ struct SurfaceTick {
     }
 };
 
-constexpr engine::Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
-
 }  // namespace
 
 std::vector<Surface> contact_surfaces() {
@@ -203,42 +160,13 @@ std::vector<Vec3> grid_of(const Surface& surface, std::size_t n) {
 }
 
 std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& path) {
-    const tests::SurfaceOracle oracle(data_of(surface));
-    const std::vector<Vec3> corners = grid_of(surface, kGrid);
-    constexpr std::size_t kRow = kGrid + 1;
-    double reach = 0.0;  // no point of the surface is farther from its sample than one mesh
-    for (std::size_t i = 0; i + kRow + 1 < corners.size(); ++i) {
-        if ((i + 1) % kRow != 0) {
-            reach = std::max(reach, glm::length(corners[i + kRow + 1] - corners[i]));
-        }
-    }
+    tests::SurfaceOracle oracle(data_of(surface));
     std::vector<Truth<3>> all;
-    std::vector<double> distance(corners.size());
     for (const Vec3& hip : path) {
-        for (std::size_t i = 0; i < corners.size(); ++i) {
-            distance[i] = glm::length(corners[i] - hip);
-        }
-        const double least = *std::min_element(distance.begin(), distance.end());
-        Truth<3> best{std::numeric_limits<long double>::infinity(), {}};
-        for (std::size_t j = 0; j < kRow; ++j) {
-            for (std::size_t i = 0; i < kRow; ++i) {
-                const double here = distance[j * kRow + i];
-                bool lowest = here <= least + reach;
-                for (std::size_t b = j > 0 ? j - 1 : 0; lowest && b <= std::min(j + 1, kGrid);
-                     ++b) {
-                    for (std::size_t a = i > 0 ? i - 1 : 0; a <= std::min(i + 1, kGrid); ++a) {
-                        lowest = lowest && here <= distance[b * kRow + a];
-                    }
-                }
-                if (lowest) {
-                    const Truth<3> found = refine(
-                        oracle, hip, static_cast<long double>(surface.knots_u.back()) * i / kGrid,
-                        static_cast<long double>(surface.knots_v.back()) * j / kGrid);
-                    best = found.distance < best.distance ? found : best;
-                }
-            }
-        }
-        all.push_back(best);
+        const tests::LongFoot foot = oracle.closest(hip);
+        const auto& [x, y, z] = foot.point;
+        all.push_back({std::sqrt(foot.distance2),
+                       {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
     }
     return all;
 }
@@ -254,8 +182,9 @@ Methods<3> own_surface_methods(const Surface& surface) {
     const auto feet = std::make_shared<const engine::SurfaceFeet>(made);
     add("certified", Kind::global, CertifiedSurface{feet});
     add("global, cold", Kind::global, GlobalSurface{feet});
-    add("tick, friction", Kind::floor, SurfaceTick({made}, kFriction));
-    add("tick, friction, force only", Kind::floor, SurfaceTick({made}, kFriction, false));
+    add("tick, friction", Kind::floor, SurfaceTick({made}, tests::kStudyFriction));
+    add("tick, friction, force only", Kind::floor,
+        SurfaceTick({made}, tests::kStudyFriction, false));
     add("tick, frictionless", Kind::floor, SurfaceTick({made}, {}));
     add("tick, frictionless, force only", Kind::floor, SurfaceTick({made}, {}, false));
     tests::Random turns(1);  // cut between knots, where no patch of the whole ends
@@ -263,9 +192,9 @@ Methods<3> own_surface_methods(const Surface& surface) {
     const auto joined = std::make_shared<const engine::SurfaceObject>(four);
     add("four joined, certified", Kind::global,
         CertifiedSurface{std::make_shared<const engine::SurfaceFeet>(joined)});
-    add("four joined, tick, friction", Kind::floor, SurfaceTick(four, kFriction));
+    add("four joined, tick, friction", Kind::floor, SurfaceTick(four, tests::kStudyFriction));
     add("four joined, tick, friction, force only", Kind::floor,
-        SurfaceTick(four, kFriction, false));
+        SurfaceTick(four, tests::kStudyFriction, false));
     const figures::TrackerSpec feedback{.gain = figures::feedback_gain(*joined, 1.0, 1e-3)};
     const figures::TrackerSpec newton{.kind = figures::TrackerKind::newton};
     add("four joined, thesis feedback", Kind::tracker,

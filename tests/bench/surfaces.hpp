@@ -24,8 +24,7 @@ inline constexpr int kSurfaceDegree = 3;
 /// hand_along.
 [[nodiscard]] std::vector<Vec3> hand_over(const Surface& surface, double seconds);
 
-/// Long double: Newton's iteration from every local minimum of a grid of samples. Dense, not
-/// proved.
+/// By tests::SurfaceOracle.
 [[nodiscard]] std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& path);
 
 /// Corners of 2 n^2 triangles on the surface, row by row, (n + 1) a row.

@@ -50,7 +50,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[adaptive][law]") {
+TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run") {
     const data::SessionSpec spec = session_spec(adaptive_protocol());
     const char* edit = GENERATE(
         "UPDATE presentation SET stimulus = stimulus + 2 WHERE trial_id = 6 AND stimulus IS NOT "
@@ -74,8 +74,7 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[a
     CHECK(count(database, "trial") == trials);
 }
 
-TEST_CASE("a trial that does not count leaves the rule as it was, and its stimulus comes again",
-          "[adaptive][law]") {
+TEST_CASE("a trial that does not count leaves the rule as it was, and its stimulus comes again") {
     protocols::Protocol protocol = adaptive_protocol();
     protocol.invalid.path_min = 0.025;  // some hands are slower than that
     const data::SessionSpec spec = session_spec(protocol);
@@ -91,9 +90,8 @@ TEST_CASE("a trial that does not count leaves the rule as it was, and its stimul
     CHECK(differences(database).empty());
 }
 
-TEST_CASE("what a trial says of two intervals is of both together", "[adaptive][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+TEST_CASE("what a trial says of two intervals is of both together") {
+    NewDatabase database;
     REQUIRE(run_simulated(database, session_spec(adaptive_protocol())).why ==
             protocols::SessionEnd::Why::finished);
     const std::int64_t felt = count(database, "presentation WHERE interval = 2");
@@ -109,8 +107,7 @@ TEST_CASE("what a trial says of two intervals is of both together", "[adaptive][
     CHECK_THAT(differences(database), Has("done_s"));
 }
 
-TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows",
-          "[adaptive][law]") {
+TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows") {
     const data::SessionSpec spec = session_spec(adaptive_protocol());
     NewDatabase database;
     const auto dying = [](protocols::Recorder& recorder) {
@@ -124,8 +121,7 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
     CHECK(differences(database) == "");
 }
 
-TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes as planned",
-          "[adaptive][resume][law]") {
+TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes as planned") {
     const bool adaptive = GENERATE(true, false);
     const auto how = GENERATE(data::Resume::redo_block, data::Resume::redo_practice);
     const int at = GENERATE(3, 25, 44);

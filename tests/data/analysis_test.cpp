@@ -32,9 +32,29 @@ int sum_of(const std::vector<Words>& matrix) {
     return sum;
 }
 
+Table people() {
+    return {.place = "people/*/by/*",
+            .title = "  Who",
+            .columns = {{.key = "person", .words = "person"},
+                        {.key = "friction", .words = "friction"},
+                        {.key = "n", .words = "n"},
+                        {.key = "mean", .words = "mean", .digits = 2},
+                        {.key = "bits/p", .words = "p", .says = Column::Says::p},
+                        {.key = "interval_95", .words = "interval", .digits = 1},
+                        {.key = "wilson_95"},
+                        {.key = "gone", .words = "gone"}},
+            .index = 2,
+            .rows = {{"A/1", Named{"on", "on - off"}, std::int64_t{3}, -0.004, 0.0002,
+                      Interval{0.25, 1.0}, Interval{0.1, 0.2}, Nothing{}},
+                     {"A/1", Named{"off", "off - off"}, std::int64_t{12},
+                      cell_of(std::numeric_limits<double>::infinity(), "no end"), 0.25,
+                      cell_of(std::optional<Interval>()), Nothing{}, Nothing{}}},
+            .notes = {"Nobody else."}};
+}
+
 }  // namespace
 
-TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors", "[analysis][law]") {
+TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors") {
     for (std::int64_t n = 0; n <= 60; ++n) {
         for (std::int64_t k = 0; k <= n; ++k) {
             const data::Interval ci = data::wilson(k, n);
@@ -46,8 +66,7 @@ TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors", "[an
     }
 }
 
-TEST_CASE("the summary counts main trials of each kind apart, and says what is simulated",
-          "[analysis]") {
+TEST_CASE("the summary counts main trials of each kind apart, and says what is simulated") {
     const TemporaryFile file("it's.sqlite");
     Database database(file, Access::write);
     CHECK_THAT(data::summary_text(database), Has("No main trial"));
@@ -73,8 +92,7 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
 
 TEST_CASE(
     "the matrix has every object of the plan, and no choice drops out of it, from the first trial "
-    "on",
-    "[analysis][law]") {
+    "on") {
     SEEDED(random, std::uint64_t{3});
     SmallSession session(small_protocol(2));
     int answers = 0;
@@ -94,8 +112,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it",
-          "[analysis]") {
+TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it") {
     const TemporaryFile file("it's.sqlite");
     Database database(file, Access::write);
     const auto spec = session_spec(small_protocol());
@@ -114,32 +131,7 @@ TEST_CASE("the two queries of the summary run as printed, also for a name with a
     }
 }
 
-namespace {
-
-Table people() {
-    return {.place = "people/*/by/*",
-            .title = "  Who",
-            .columns = {{.key = "person", .words = "person"},
-                        {.key = "friction", .words = "friction"},
-                        {.key = "n", .words = "n"},
-                        {.key = "mean", .words = "mean", .digits = 2},
-                        {.key = "bits/p", .words = "p", .says = Column::Says::p},
-                        {.key = "interval_95", .words = "interval", .digits = 1},
-                        {.key = "wilson_95"},
-                        {.key = "gone", .words = "gone"}},
-            .index = 2,
-            .rows = {{"A/1", Named{"on", "on - off"}, std::int64_t{3}, -0.004, 0.0002,
-                      Interval{0.25, 1.0}, Interval{0.1, 0.2}, Nothing{}},
-                     {"A/1", Named{"off", "off - off"}, std::int64_t{12},
-                      cell_of(std::numeric_limits<double>::infinity(), "no end"), 0.25,
-                      cell_of(std::optional<Interval>()), Nothing{}, Nothing{}}},
-            .notes = {"Nobody else."}};
-}
-
-}  // namespace
-
-TEST_CASE("a table says the same as text, JSON and fields, and why there is nothing",
-          "[tables][law]") {
+TEST_CASE("a table says the same as text, JSON and fields, and why there is nothing") {
     const Table table = people();
     // Written by hand from the rows above.
     CHECK(table_text(table) ==
@@ -167,8 +159,7 @@ TEST_CASE("a table says the same as text, JSON and fields, and why there is noth
           "low,high\n-inf,2\n1,inf\n,\n");
 }
 
-TEST_CASE("a table without rows says nothing, one across stands on its side, one may be a list",
-          "[tables]") {
+TEST_CASE("a table without rows says nothing, one across stands on its side, one may be a list") {
     Table table = people();
     table.across = true;
     table.title.clear();
@@ -192,7 +183,7 @@ TEST_CASE("a table without rows says nothing, one across stands on its side, one
     CHECK(none.is_null());
 }
 
-TEST_CASE("what names a row is said again where anything to its left is another", "[tables]") {
+TEST_CASE("what names a row is said again where anything to its left is another") {
     Table table{.columns = {{.key = "person", .words = "person"},
                             {.key = "session", .words = "session"},
                             {.key = "run", .words = "run"},

@@ -29,7 +29,7 @@ std::vector<Row> random_rows(Random& random) {
 
 }  // namespace
 
-TEST_CASE("the picture of run time against error shows every row of its table", "[bench][law]") {
+TEST_CASE("the picture of run time against error shows every row of its table") {
     SEEDED(random, std::uint64_t{30});
     const std::vector<Row> rows = random_rows(random);
     std::stringstream table;
@@ -52,7 +52,7 @@ TEST_CASE("the picture of run time against error shows every row of its table", 
     CHECK(count_of(svg, "class=\"point\"") == points);
 }
 
-TEST_CASE("the picture in the documents is that of the table beside it", "[bench][docs]") {
+TEST_CASE("the picture in the documents is that of the table beside it") {
     const std::string name = PALPATE_SOURCE_DIR "/tests/bench/results/amd-epyc.contact";
     std::ifstream table(name + ".csv");
     // Else: palpate bench contact --from amd-epyc.contact.csv --svg amd-epyc.contact.svg

@@ -31,7 +31,7 @@ void record_small_session(const std::string& file) {
 
 TEST_CASE(
     "one flipped bit anywhere in a file is reported, or nothing that the file says has changed",
-    "[long][store][chain][law]") {
+    "[long]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     record_small_session(file);
@@ -89,8 +89,7 @@ TEST_CASE(
 
 TEST_CASE(
     "of a file with a flipped bit sample gives what it gave before, or an error, never another "
-    "number",
-    "[store][sample][law]") {
+    "number") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     record_small_session(file);

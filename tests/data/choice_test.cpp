@@ -1,6 +1,7 @@
 #include <boost/math/distributions/normal.hpp>
 
 #include "data/choice/similarity_choice.hpp"
+#include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -76,35 +77,21 @@ double log_likelihood(const std::vector<CallCounts>& both, const Namer& off, con
 
 /// The highest near a place, by steps along one number at a time that shrink.
 double highest_near(const std::vector<CallCounts>& both, Namer off, Namer on) {
-    std::array<double*, 7> all{&off.criteria[0], &off.criteria[1], &off.criteria[2],
-                               &off.criteria[3], &off.sigma,       &on.sigma,
-                               &on.shift};
+    const std::vector<double*> all{&off.criteria[0], &off.criteria[1], &off.criteria[2],
+                                   &off.criteria[3], &off.sigma,       &on.sigma,
+                                   &on.shift};
     const auto value = [&] {
         on.criteria = off.criteria;
         const bool in_order = std::ranges::is_sorted(off.criteria);
         return in_order && off.sigma > 0.01 && on.sigma > 0.01 ? log_likelihood(both, off, on)
                                                                : -HUGE_VAL;
     };
-    double best = value();
-    for (double step = 1.0; step > 1e-3;) {
-        const double before = best;
-        for (double* one : all) {
-            for (const double by : {step, -step}) {
-                const double kept = *one;
-                *one += by;
-                const double here = value();
-                best = std::max(best, here);
-                *one = here < best ? kept : *one;
-            }
-        }
-        step *= best > before + 1e-4 ? 1.0 : 0.5;
-    }
-    return best;
+    return highest_by_steps(value, all, 1.0, 1e-3, 1e-4);
 }
 
 }  // namespace
 
-TEST_CASE("of two items and two answers the ordinal model is two quantiles", "[choice]") {
+TEST_CASE("of two items and two answers the ordinal model is two quantiles") {
     Random random(GENERATE(range(1U, 40U)));
     const double near = random.in(-5.0, 5.0);
     const double far = near + random.in(0.5, 8.0);
@@ -123,8 +110,7 @@ TEST_CASE("of two items and two answers the ordinal model is two quantiles", "[c
     CHECK(fit.agree);
 }
 
-TEST_CASE("sigma and shift of each condition come apart, and no share correct parts them",
-          "[choice][law]") {
+TEST_CASE("sigma and shift of each condition come apart, and no share correct parts them") {
     Random random(GENERATE(range(1U, 12U)));
     const Namer off{.sigma = random.in(1.5, 5.0)};
     const Namer on{.sigma = random.in(1.5, 5.0), .shift = random.in(-3.0, 3.0)};
@@ -140,8 +126,7 @@ TEST_CASE("sigma and shift of each condition come apart, and no share correct pa
     CHECK(fit.df == 40 - 7);
 }
 
-TEST_CASE("no place has a higher likelihood than the fit, however few the answers",
-          "[choice][law]") {
+TEST_CASE("no place has a higher likelihood than the fit, however few the answers") {
     Random random(GENERATE(range(1U, 31U)));
     Namer off{.sigma = random.in(2.0, 7.0)};
     for (double& one : off.criteria) {
@@ -167,8 +152,7 @@ TEST_CASE("no place has a higher likelihood than the fit, however few the answer
 
 // SciPy's Nelder-Mead from 12 starts: -37.293 at criteria -6.2007, -2.4215, -1.3753 and 2.0343,
 // sigmas 4.6742 and 0.5392 and a shift of -1.9627; with one sigma -40.5785, p .01036.
-TEST_CASE("of a person with two hills the higher one is fitted, and p is that of SciPy",
-          "[choice]") {
+TEST_CASE("of a person with two hills the higher one is fitted, and p is that of SciPy") {
     const std::vector<CallCounts> both{
         {{2, 1, 1, 0, 0}, {0, 2, 1, 1, 0}, {0, 2, 1, 0, 1}, {0, 1, 0, 2, 1}, {0, 0, 0, 0, 4}},
         {{3, 0, 1, 0, 0}, {4, 0, 0, 0, 0}, {0, 1, 2, 1, 0}, {0, 0, 0, 0, 4}, {0, 0, 0, 0, 4}}};
@@ -186,8 +170,8 @@ TEST_CASE("of a person with two hills the higher one is fitted, and p is that of
                WithinAbs(0.01036, 1e-5));
 }
 
-TEST_CASE("95 % intervals of sigma and shift hold the truth of people with 50 answers a condition",
-          "[choice][law]") {
+TEST_CASE(
+    "95 % intervals of sigma and shift hold the truth of people with 50 answers a condition") {
     const char* asked = std::getenv("PALPATE_CHOICE_PEOPLE");
     const int people = asked != nullptr ? std::atoi(asked) : 90;
     Random random(20);
@@ -220,8 +204,7 @@ TEST_CASE("95 % intervals of sigma and shift hold the truth of people with 50 an
     CHECK(agree == 20);
 }
 
-TEST_CASE("an answer that was never given, items that are never confused, and nonsense",
-          "[choice]") {
+TEST_CASE("an answer that was never given, items that are never confused, and nonsense") {
     const auto fit = data::fit_thurstone({{{6, 0, 4, 0}, {2, 0, 6, 2}, {1, 0, 3, 6}, {0, 0, 1, 9}}},
                                          {.items = {0, 1, 2, 3}});
     CHECK(fit.criteria[0] == fit.criteria[1]);
@@ -236,7 +219,7 @@ TEST_CASE("an answer that was never given, items that are never confused, and no
     CHECK_THROWS_WITH(data::fit_thurstone({{{10, 0}, {0, 10}}}, {.items = {1, 1}}), Has("1 and 1"));
 }
 
-TEST_CASE("of two items the similarity choice model is the table itself", "[choice]") {
+TEST_CASE("of two items the similarity choice model is the table itself") {
     Random random(GENERATE(range(1U, 40U)));
     const auto count = [&] {
         return static_cast<std::int64_t>(1 + random.below(60));
@@ -253,8 +236,7 @@ TEST_CASE("of two items the similarity choice model is the table itself", "[choi
     CHECK_THAT(fit.deviance, WithinAbs(0.0, 1e-7));
 }
 
-TEST_CASE("similarities and biases of five items come back from the shares they make",
-          "[choice][law]") {
+TEST_CASE("similarities and biases of five items come back from the shares they make") {
     Random random(GENERATE(range(1U, 10U)));
     std::vector<double> bias;
     std::vector<std::vector<double>> similarity(5, std::vector<double>(5, 1.0));
@@ -289,7 +271,7 @@ TEST_CASE("similarities and biases of five items come back from the shares they 
 
 // R: the slopes of glm(cbind(k, n - k) ~ 1, binomial(probit), offset = slope * x), x = -2, 3, k = 9
 // and 27 of 40, whose deviance is 3.8415 above that of the best; a slope is 1 / sigma.
-TEST_CASE("of two items and two answers sigma's interval is that of R's profiled glm", "[choice]") {
+TEST_CASE("of two items and two answers sigma's interval is that of R's profiled glm") {
     const auto fit =
         data::fit_thurstone({{{31, 9}, {13, 27}}}, {.items = {-2.0, 3.0}, .lapse = 0.0});
     const data::Interval& interval = fit.parts[0].sigma_interval.value();
@@ -298,8 +280,7 @@ TEST_CASE("of two items and two answers sigma's interval is that of R's profiled
 }
 
 TEST_CASE(
-    "answers that do not follow the items leave sigma without an upper end, and p says the same",
-    "[choice][law]") {
+    "answers that do not follow the items leave sigma without an upper end, and p says the same") {
     Random random(GENERATE(range(1U, 13U)));
     CallCounts chance(5, std::vector<std::int64_t>(5, 0));
     for (auto& row : chance) {
@@ -331,8 +312,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a change of sigma has a p below .05 where its interval leaves out none, and so a shift",
-          "[choice][law]") {
+TEST_CASE(
+    "a change of sigma has a p below .05 where its interval leaves out none, and so a shift") {
     Random random(GENERATE(range(1U, 12U)));
     const int n = 10;
     const Namer off{.sigma = random.in(1.0, 6.0)};
@@ -359,7 +340,7 @@ TEST_CASE("a change of sigma has a p below .05 where its interval leaves out non
           Approx(full.parts[1].shift_interval->low).margin(1e-3));
 }
 
-TEST_CASE("a shift that its p does not refute lies in its interval", "[choice]") {
+TEST_CASE("a shift that its p does not refute lies in its interval") {
     // R (nlminb, 45 starts): log-likelihood -21.3014, -23.0166 without a shift, -23.2221 at -.14.
     const auto fit = data::fit_thurstone(
         {{{4, 0, 0, 0, 0}, {1, 3, 0, 0, 0}, {0, 2, 2, 0, 0}, {0, 0, 2, 2, 0}, {0, 0, 0, 3, 1}},
@@ -373,8 +354,7 @@ TEST_CASE("a shift that its p does not refute lies in its interval", "[choice]")
 // profile is known.
 TEST_CASE(
     "intervals of similarities hold what the answers do not refute, and are open where they bound "
-    "nothing",
-    "[choice]") {
+    "nothing") {
     const auto none = data::fit_similarity({{20, 0}, {0, 30}});
     CHECK(none.similarity[0][1] == 0.0);
     CHECK(none.intervals[0][1].low == 0.0);

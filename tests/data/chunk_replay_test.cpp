@@ -86,8 +86,7 @@ struct Cut {
 
 }  // namespace
 
-TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded study",
-          "[replay][trace][law]") {
+TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded study") {
     data::Database database(demo_file(), data::Access::read);
     Random random(5);
     std::size_t checked = 0;
@@ -115,8 +114,7 @@ TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded st
 }
 
 TEST_CASE(
-    "the sizes of chunks, the order in which they are asked for and an early end change no bit",
-    "[replay][trace][law]") {
+    "the sizes of chunks, the order in which they are asked for and an early end change no bit") {
     data::Database database(demo_file(), data::Access::read);
     SEEDED(random, std::uint64_t{12});
     const Recorded recorded(database, 1 + random.below(10));
@@ -135,8 +133,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given",
-          "[replay][trace][law]") {
+TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given") {
     data::Database database(demo_file(), data::Access::read);
     SEEDED(random, std::uint64_t{6});
     const Recorded recorded(database, 2);
@@ -157,8 +154,7 @@ TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is 
                     data::TraceError);
 }
 
-TEST_CASE("HIP that is not where three counts say is found, unless the device gave no place",
-          "[trace][gantry][law]") {
+TEST_CASE("HIP that is not where three counts say is found, unless the device gave no place") {
     const engine::Gantry gantry(*gantry_machine().gantry);
     SEED(40U);
     Random random(seed);

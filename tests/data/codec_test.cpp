@@ -5,6 +5,8 @@
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;
@@ -27,10 +29,30 @@ bool next(data::PackedNumbers& packed, std::vector<Word>& block) {
                              [at = block.data()](Word number) mutable { *at++ = number; });
 }
 
+/// A demo's file and its export with all ticks.
+struct ExportSummary {
+    explicit ExportSummary(const std::string& format) {
+        file = folder.file("demo.sqlite");
+        out = folder.path() / "out";
+        ran({"demo", "--headless", "--db", file});
+        ran({"export", file, "--format", format, "--kind", "simulated", "--traces", "-o",
+             out.string()});
+    }
+    TemporaryFolder folder;
+    std::string file;
+    fs::path out;
+};
+
+/// Every number of trials.csv and of the ticks against the file, with Python's standard library
+/// alone and the reader that ships.
+const std::string kPython = test_text("scripts/round_trip.py");
+
+/// What R's own reader makes of a file, every number as its bits.
+const std::string kR = test_text("scripts/numbers.R");
+
 }  // namespace
 
-TEST_CASE("a chunk that holds all parts comes back to the bit, every field and every NaN",
-          "[trace][law]") {
+TEST_CASE("a chunk that holds all parts comes back to the bit, every field and every NaN") {
     SEEDED(random, std::uint64_t{40});
     auto ticks = random_ticks(seed, 1 + random.index(2048), 7 * random.below(9));
     for (engine::TickRecord& tick : ticks) {  // anything that fits
@@ -52,8 +74,7 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
     }
 }
 
-TEST_CASE("the hash of ticks is XXH3 of their fields in the order that its header gives",
-          "[trace][law]") {
+TEST_CASE("the hash of ticks is XXH3 of their fields in the order that its header gives") {
     std::vector<engine::TickRecord> ticks;
     for (const int k : {0, 100}) {  // struct.pack("<qq20d6ifhBB", k + 1, ..., k + 30, 2, k + 31)
         engine::TickRecord& tick = ticks.emplace_back();
@@ -82,8 +103,7 @@ TEST_CASE("the hash of ticks is XXH3 of their fields in the order that its heade
     CHECK(data::derived_hash(ticks) == 0xb38d3e3581f2db75);
 }
 
-TEST_CASE("packed numbers come back in blocks, in the bits that the largest of each needs",
-          "[trace][law]") {
+TEST_CASE("packed numbers come back in blocks, in the bits that the largest of each needs") {
     SEEDED(random, std::uint64_t{200});
     std::vector<std::uint64_t> numbers(static_cast<std::size_t>(1 + random.below(300)));
     std::size_t expected = 0;
@@ -126,7 +146,7 @@ TEST_CASE("packed numbers come back in blocks, in the bits that the largest of e
     }
 }
 
-TEST_CASE("a number that needs more bits than its column has is refused", "[trace]") {
+TEST_CASE("a number that needs more bits than its column has is refused") {
     std::vector<std::byte> bytes;
     data::pack_numbers(std::vector<std::uint64_t>{std::uint64_t{1} << 32U}, bytes);
     std::vector<std::uint32_t> block(1);
@@ -134,8 +154,7 @@ TEST_CASE("a number that needs more bits than its column has is refused", "[trac
     CHECK_FALSE(next(packed, block));
 }
 
-TEST_CASE("a chunk that leaves out what does not follow is noticed, never taken for exact",
-          "[trace][law]") {
+TEST_CASE("a chunk that leaves out what does not follow is noticed, never taken for exact") {
     const auto part =
         GENERATE(data::part_hip, data::part_contact, data::part_command, data::part_lateness);
     const auto ticks = random_ticks(11, 300);
@@ -147,7 +166,7 @@ TEST_CASE("a chunk that leaves out what does not follow is noticed, never taken 
     CHECK(*back.differs_from == 0);
 }
 
-TEST_CASE("no flipped bit, cut or extra byte of a chunk is decoded", "[trace][law]") {
+TEST_CASE("no flipped bit, cut or extra byte of a chunk is decoded") {
     const auto ticks = random_ticks(3, 20);
     const auto chunk = data::encode_chunk(ticks, 0, kPeriod, data::kAllParts);
     data::ChunkView view = view_of(chunk, ticks, data::kAllParts);
@@ -176,8 +195,7 @@ TEST_CASE("no flipped bit, cut or extra byte of a chunk is decoded", "[trace][la
     }
 }
 
-TEST_CASE("fixed point rounds to the nearest step, halves up, and says what does not fit",
-          "[trace]") {
+TEST_CASE("fixed point rounds to the nearest step, halves up, and says what does not fit") {
     CHECK(data::in_steps(0.25, 10.0) == 3);
     CHECK(data::in_steps(-0.25, 10.0) == -2);
     CHECK(data::in_steps(-0.26, 10.0) == -3);
@@ -188,7 +206,7 @@ TEST_CASE("fixed point rounds to the nearest step, halves up, and says what does
     CHECK(data::in_steps(-std::numeric_limits<double>::infinity(), 1.0) == data::kNotANumber);
 }
 
-TEST_CASE("every byte of a tick belongs to exactly one column", "[trace][law]") {
+TEST_CASE("every byte of a tick belongs to exactly one column") {
     std::vector<int> owners(sizeof(engine::TickRecord), 0);
     for (const data::TraceColumn& column : data::trace_columns()) {
         for (std::size_t byte = 0; byte < column.size; ++byte) {
@@ -199,36 +217,8 @@ TEST_CASE("every byte of a tick belongs to exactly one column", "[trace][law]") 
           static_cast<std::ptrdiff_t>(owners.size()));
 }
 
-namespace fs = std::filesystem;
-
-namespace {
-
-/// A demo's file and its export with all ticks.
-struct ExportSummary {
-    explicit ExportSummary(const std::string& format) {
-        file = folder.file("demo.sqlite");
-        out = folder.path() / "out";
-        ran({"demo", "--headless", "--db", file});
-        ran({"export", file, "--format", format, "--kind", "simulated", "--traces", "-o",
-             out.string()});
-    }
-    TemporaryFolder folder;
-    std::string file;
-    fs::path out;
-};
-
-/// Every number of trials.csv and of the ticks against the file, with Python's standard library
-/// alone and the reader that ships.
-const std::string kPython = test_text("scripts/round_trip.py");
-
-/// What R's own reader makes of a file, every number as its bits.
-const std::string kR = test_text("scripts/numbers.R");
-
-}  // namespace
-
 TEST_CASE(
-    "Python reads the same numbers from the CSV files as from the database, R those of Python",
-    "[export][law]") {
+    "Python reads the same numbers from the CSV files as from the database, R those of Python") {
     const ExportSummary exported("csv");
     const Finished python =
         Process({"python3", "-c", kPython, exported.file, exported.out.string()}).wait();
@@ -261,21 +251,20 @@ TEST_CASE(
     CHECK((slurp(by_r) == slurp(by_python)));
 }
 
-TEST_CASE("a BIDS export has what the standard requires of each file", "[export][law]") {
+TEST_CASE("a BIDS export has what the standard requires of each file") {
     const ExportSummary exported("bids");
     ended(Process(
               {"python3", "-c", test_text("scripts/bids.py"), exported.file, exported.out.string()})
               .wait());
 }
 
-TEST_CASE("a Psych-DS export describes every column of its data", "[export][law]") {
+TEST_CASE("a Psych-DS export describes every column of its data") {
     const ExportSummary exported("psych-ds");
     ended(
         Process({"python3", "-c", test_text("scripts/psych_ds.py"), exported.out.string()}).wait());
 }
 
-TEST_CASE("Parquet without DuckDB is one sentence with the remedy, and nothing is made",
-          "[export]") {
+TEST_CASE("Parquet without DuckDB is one sentence with the remedy, and nothing is made") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
     ran({"demo", "--headless", "--db", file});

@@ -19,8 +19,7 @@ struct Filled : SmallSession {
 
 }  // namespace
 
-TEST_CASE("two equal sessions have one hash, whatever the clock and the machine's versions",
-          "[store][law]") {
+TEST_CASE("two equal sessions have one hash, whatever the clock and the machine's versions") {
     Filled a;
     Filled b;
     CHECK(content_hash(a.database) == content_hash(b.database));
@@ -30,7 +29,7 @@ TEST_CASE("two equal sessions have one hash, whatever the clock and the machine'
     CHECK(content_hash(a.database) == content_hash(b.database));
 }
 
-TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
+TEST_CASE("any change of what was recorded changes the hash") {
     Filled filled;
     Database& database = filled.database;
     const std::string before = content_hash(database);

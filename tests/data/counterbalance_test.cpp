@@ -26,46 +26,6 @@ std::vector<std::size_t> open(data::Database& database,
     return spec.plan.picture_order;
 }
 
-}  // namespace
-
-TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not",
-          "[store][law]") {
-    NewDatabase database;
-    const protocols::Protocol protocol = small_protocol();
-    const std::size_t rows = picture_rows(protocol).size();
-    REQUIRE(rows == 6);
-    for (int i = 0; i < 8; ++i) {
-        open(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
-        open(database, protocol, fmt::format("L{}", i), data::RunKind::pilot);
-    }
-    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
-    std::set<std::vector<std::size_t>> orders;
-    for (std::size_t i = 0; i < rows; ++i) {
-        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
-    }
-    CHECK(orders.size() == rows);
-    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
-          rows - 1);
-    CHECK(data::orders_of(database, data::Balanced::pictures, "other", {"R0", 1}).others.empty());
-}
-
-TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
-          "[store][law]") {
-    NewDatabase database;
-    const protocols::Protocol protocol = small_protocol();
-    const auto first = open(database, protocol, "R0", data::RunKind::real);
-    for (int i = 1; i < 12; ++i) {
-        open(database, protocol, fmt::format("R{}", i), data::RunKind::real);
-        // Another plan would be refused here.
-        CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
-    }
-    CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
-    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R1", 1}).others.size() ==
-          11);
-}
-
-namespace {
-
 /// Opens the session of a study in friction blocks, and says which friction began.
 std::size_t open_blocks(data::Database& database,
                         const protocols::Protocol& protocol,
@@ -79,81 +39,6 @@ std::size_t open_blocks(data::Database& database,
     begin(database, data::plan_and_open_session(database, spec).id);
     return first_round(protocol, spec.plan).front();
 }
-
-}  // namespace
-
-TEST_CASE("real participants begin with each friction in turns, whoever else ran",
-          "[store][friction_blocks][law]") {
-    SEED(std::uint64_t{6});
-    NewDatabase database;
-    protocols::Protocol protocol = small_protocol(2);
-    protocol.seed = seed;
-    // An older version of the study, in which the frictions were mixed, counts for nothing.
-    open(database, protocol, "OLD", data::RunKind::real);
-    protocol.design.blocks = 2;
-    protocol.design.friction_blocks = protocols::FrictionBlocks::abba;
-    std::vector<std::size_t> begun;
-    for (int i = 0; i < 8; ++i) {
-        open_blocks(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
-        begun.push_back(
-            open_blocks(database, protocol, fmt::format("R{}", i), data::RunKind::real));
-        // The same session goes on: another plan would be refused.
-        CHECK(open_blocks(database, protocol, "R0", data::RunKind::real) == begun[0]);
-        if (i % 2 == 1) {
-            CHECK(begun[begun.size() - 1] != begun[begun.size() - 2]);
-        }
-    }
-    CHECK(open_blocks(database, protocol, "R0", data::RunKind::real, 2) == begun[0]);
-}
-
-TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
-          "[store][law]") {
-    SEED(std::uint64_t{8});
-    NewDatabase database;
-    protocols::Protocol protocol = small_protocol();
-    protocol.seed = seed;
-    const std::size_t rows = picture_rows(protocol).size();
-    data::SessionSpec spec = session_spec(protocol, "LEFT");
-    spec.kind = data::RunKind::real;
-    {
-        const auto opened = data::plan_and_open_session(database, spec);
-        CHECK(
-            data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
-            1);
-    }
-    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
-    std::set<std::vector<std::size_t>> orders;
-    for (std::size_t i = 0; i + 1 < rows; ++i) {
-        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
-    }
-    CHECK(orders.size() == rows - 1);
-    // The last row is left for whoever comes back, whichever it was before; a note on the session
-    // stays.
-    database.execute(
-        "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT "
-        "min(session_id), 'note', 'late', '', 0 FROM session");
-    orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
-    CHECK(orders.size() == rows);
-    // With other words too: nobody has felt anything of it yet.
-    data::SessionSpec other = session_spec(protocol, "AGAIN");
-    static_cast<void>(data::plan_and_open_session(database, other));
-    other.kind = data::RunKind::pilot;
-    other.seed += 1;
-    begin(database, data::plan_and_open_session(database, other).id);
-    other.seed += 1;
-    CHECK_THROWS_AS(data::plan_and_open_session(database, other), data::StoreError);
-    auto row = database.prepare(
-        "SELECT count(*) FROM event WHERE event_kind = 'note' UNION ALL SELECT count(*) FROM event "
-        "WHERE event_kind = 'planned again' UNION ALL SELECT count(*) FROM session");
-    REQUIRE(row.step());
-    CHECK(row.integer(0) == 1);
-    REQUIRE(row.step());
-    CHECK((row.integer(0) == 1 || row.integer(0) == 2));
-    REQUIRE(row.step());
-    CHECK(row.integer(0) == static_cast<std::int64_t>(rows + 1));
-}
-
-namespace {
 
 /// A study's file as histories grow it, and who has which row by the rules alone.
 struct GrownFile {
@@ -207,8 +92,110 @@ struct GrownFile {
 
 }  // namespace
 
-TEST_CASE("whatever was rehearsed, piloted, withdrawn and begun again, real rows stay in balance",
-          "[store][law]") {
+TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not") {
+    NewDatabase database;
+    const protocols::Protocol protocol = small_protocol();
+    const std::size_t rows = picture_rows(protocol).size();
+    REQUIRE(rows == 6);
+    for (int i = 0; i < 8; ++i) {
+        open(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
+        open(database, protocol, fmt::format("L{}", i), data::RunKind::pilot);
+    }
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
+    std::set<std::vector<std::size_t>> orders;
+    for (std::size_t i = 0; i < rows; ++i) {
+        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
+    }
+    CHECK(orders.size() == rows);
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
+          rows - 1);
+    CHECK(data::orders_of(database, data::Balanced::pictures, "other", {"R0", 1}).others.empty());
+}
+
+TEST_CASE("a session goes on with its own pictures, and so does the participant's next one") {
+    NewDatabase database;
+    const protocols::Protocol protocol = small_protocol();
+    const auto first = open(database, protocol, "R0", data::RunKind::real);
+    for (int i = 1; i < 12; ++i) {
+        open(database, protocol, fmt::format("R{}", i), data::RunKind::real);
+        // Another plan would be refused here.
+        CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
+    }
+    CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R1", 1}).others.size() ==
+          11);
+}
+
+TEST_CASE("real participants begin with each friction in turns, whoever else ran") {
+    SEED(std::uint64_t{6});
+    NewDatabase database;
+    protocols::Protocol protocol = small_protocol(2);
+    protocol.seed = seed;
+    // An older version of the study, in which the frictions were mixed, counts for nothing.
+    open(database, protocol, "OLD", data::RunKind::real);
+    protocol.design.blocks = 2;
+    protocol.design.friction_blocks = protocols::FrictionBlocks::abba;
+    std::vector<std::size_t> begun;
+    for (int i = 0; i < 8; ++i) {
+        open_blocks(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
+        begun.push_back(
+            open_blocks(database, protocol, fmt::format("R{}", i), data::RunKind::real));
+        // The same session goes on: another plan would be refused.
+        CHECK(open_blocks(database, protocol, "R0", data::RunKind::real) == begun[0]);
+        if (i % 2 == 1) {
+            CHECK(begun[begun.size() - 1] != begun[begun.size() - 2]);
+        }
+    }
+    CHECK(open_blocks(database, protocol, "R0", data::RunKind::real, 2) == begun[0]);
+}
+
+TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back") {
+    SEED(std::uint64_t{8});
+    NewDatabase database;
+    protocols::Protocol protocol = small_protocol();
+    protocol.seed = seed;
+    const std::size_t rows = picture_rows(protocol).size();
+    data::SessionSpec spec = session_spec(protocol, "LEFT");
+    spec.kind = data::RunKind::real;
+    {
+        const auto opened = data::plan_and_open_session(database, spec);
+        CHECK(
+            data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.size() ==
+            1);
+    }
+    CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R0", 1}).others.empty());
+    std::set<std::vector<std::size_t>> orders;
+    for (std::size_t i = 0; i + 1 < rows; ++i) {
+        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
+    }
+    CHECK(orders.size() == rows - 1);
+    // The last row is left for whoever comes back, whichever it was before; a note on the session
+    // stays.
+    database.execute(
+        "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT "
+        "min(session_id), 'note', 'late', '', 0 FROM session");
+    orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
+    CHECK(orders.size() == rows);
+    // With other words too: nobody has felt anything of it yet.
+    data::SessionSpec other = session_spec(protocol, "AGAIN");
+    static_cast<void>(data::plan_and_open_session(database, other));
+    other.kind = data::RunKind::pilot;
+    other.seed += 1;
+    begin(database, data::plan_and_open_session(database, other).id);
+    other.seed += 1;
+    CHECK_THROWS_AS(data::plan_and_open_session(database, other), data::StoreError);
+    auto row = database.prepare(
+        "SELECT count(*) FROM event WHERE event_kind = 'note' UNION ALL SELECT count(*) FROM event "
+        "WHERE event_kind = 'planned again' UNION ALL SELECT count(*) FROM session");
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == 1);
+    REQUIRE(row.step());
+    CHECK((row.integer(0) == 1 || row.integer(0) == 2));
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == static_cast<std::int64_t>(rows + 1));
+}
+
+TEST_CASE("whatever was rehearsed, piloted, withdrawn and begun again, real rows stay in balance") {
     SEEDED(random, std::uint64_t{6});
     GrownFile file;
     file.protocol.seed = seed;

@@ -104,147 +104,6 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
     FAIL("the ticks were not saved");
 }
 
-}  // namespace
-
-TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old",
-          "[store][law]") {
-    SEEDED(random, std::uint64_t{6});
-    const TemporaryFile file("a.sqlite");
-    const auto spec = session_spec(small_protocol());
-    const std::vector<Saved> said =
-        record_and_kill(file, spec, 12, std::chrono::milliseconds(random.below(100)));
-    REQUIRE(said.size() >= 12);
-
-    Database database(file, Access::write);
-    auto check = database.first("PRAGMA integrity_check");
-    CHECK(check.text(0) == "ok");
-    check.reset();
-    const auto opened = data::open_session(database, spec);
-    CHECK(opened.interrupted == 1);
-    CHECK(opened.next == 0);
-    auto trial = database.first("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
-    const auto ticks = data::TraceReader(database).stored(trial.integer(0));
-    CHECK(static_cast<std::int64_t>(ticks.size()) >= said.back().ticks);
-    for (std::size_t i = 0; i < ticks.size(); ++i) {
-        REQUIRE(same_bits(ticks[i], random_ticks(1, 1, static_cast<std::int64_t>(i))[0]));
-    }
-    // A busy machine lets the writer wait for its turn, and only ever adds to the age: the least
-    // disturbed save shows what the writer does of itself.
-    const auto least = std::ranges::min(said, {}, &Saved::age_ns);
-    CHECK(std::chrono::nanoseconds(least.age_ns) < 120ms);
-    CHECK(std::chrono::nanoseconds(least.age_ns) >= data::AsyncRecorder::kSaveEvery);
-}
-
-TEST_CASE("a lock of another program keeps no tick and no answer back for good", "[store][law]") {
-    SmallSession session;
-    const std::string file = session.folder.file("a.sqlite");
-    data::AsyncRecorder recorder(session.recorder, 5ms);
-    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
-    const auto ticks = random_ticks(1, 9000);
-    Database analyst(file, Access::write);
-    analyst.execute("BEGIN IMMEDIATE");
-    for (std::size_t i = 0; i < ticks.size(); i += 100) {
-        recorder.append(id, std::span(ticks).subspan(i, 100));
-        CHECK_FALSE((i == 5000 && recorder.save()));  // it waits, and does not fail
-    }
-    std::thread ends([&] {
-        std::this_thread::sleep_for(300ms);
-        analyst.execute("COMMIT");
-    });
-    recorder.end_trial(id, answered(0, true, 9000));
-    ends.join();
-    const auto stored = data::TraceReader(session.database).read(id);
-    REQUIRE(stored.size() == ticks.size());
-    CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), same_bits));
-    auto row = analyst.first("SELECT count(*) FROM response");
-    CHECK(row.integer(0) == 1);
-}
-
-TEST_CASE("ticks that come slowly are saved by the clock, not by their number", "[store][law]") {
-    SmallSession session;
-    const std::string file = session.folder.file("a.sqlite");
-    data::AsyncRecorder recorder(session.recorder, 5ms);
-    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
-    for (std::int64_t tick = 0; tick < 5; ++tick) {
-        recorder.append(id, random_ticks(1, 1, tick));
-        wait_for_ticks(file, tick + 1);  // nothing else is appended
-    }
-    recorder.end_trial(id, answered(0, true, 5));
-    CHECK(data::TraceReader(session.database).read(id).size() == 5);
-}
-
-TEST_CASE("the log and its index are as private as the file", "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
-    database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
-    for (const char* name : {"a.sqlite", "a.sqlite-wal", "a.sqlite-shm"}) {
-        CAPTURE(name);
-        CHECK(std::filesystem::status(folder.file(name)).permissions() ==
-              (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
-    }
-}
-
-TEST_CASE("a disk without room for the session refuses it with what it needs", "[store][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    const Database database(file, Access::write);
-    auto protocol = small_protocol();
-    CHECK_NOTHROW(data::require_space(file, protocol, 1));
-    CHECK(data::bytes_needed(protocol, 10) >
-          static_cast<std::int64_t>(10 * protocol.timing.explore_timeout *
-                                    protocol.apparatus.rate_hz * 30));
-    const auto many =
-        static_cast<std::size_t>(static_cast<double>(data::bytes_free(file)) /
-                                     (protocol.timing.explore_timeout * 1000.0 * 40.0) +
-                                 2.0);
-    CHECK_THROWS_WITH(data::require_space(file, protocol, many),
-                      Has("a.sqlite", "free some space"));
-    const std::string none = folder.file("none.sqlite");  // before it is made
-    CHECK_NOTHROW(data::require_space(none, protocol, 1));
-    CHECK_THROWS_WITH(data::require_space(none, protocol, 2 * many), Has("none.sqlite"));
-    CHECK_THROWS_WITH(data::require_space(folder.file("no/b.sqlite"), protocol, 1),
-                      Has("is not known"));
-}
-
-TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",
-          "[store][chain][law]") {
-    SmallSession small;
-    Database& database = small.database;
-    const std::int64_t session = small.id;
-    for (const auto& planned : small.spec.plan.trials) {
-        small.record(planned.position, answered(0, planned.condition.object == 0, 50),
-                     random_ticks(planned.position, 50));
-        small.recorder.event({.text = "after it"});
-    }
-    small.recorder.finish_session();
-    REQUIRE(data::chain_breaks(database, session).empty());
-    const std::string finished = data::chain_head(database, session);
-    CHECK(finished.size() == 64);
-    const std::string head = data::mark_invalid(database, 2, {"the bell rang", "Ada"}).head;
-    CHECK(head != finished);
-    CHECK(data::chain_head(database, session) == head);
-    CHECK(data::chain_breaks(database, session).empty());
-    for (const std::string& edit : lines_in(test_text("edits/evident.sql"))) {
-        CAPTURE(edit);
-        database.execute("PRAGMA foreign_keys = OFF; BEGIN");
-        database.execute(edit.c_str());
-        CHECK_FALSE(data::chain_breaks(database, session).empty());
-        database.execute("ROLLBACK");
-    }
-    CHECK(data::chain_breaks(database, session).empty());
-    // Row numbers are no part of it: files may be merged.
-    database.execute(
-        "PRAGMA foreign_keys = OFF; UPDATE response SET trial_id = trial_id + 100;UPDATE "
-        "trace_chunk SET trial_id = trial_id + 100; UPDATE event SET trial_id = trial_id + "
-        "100;UPDATE presentation SET trial_id = trial_id + 100;UPDATE trial SET trial_id = "
-        "trial_id + 100; UPDATE event SET text = 'mark after trial 106: the bell rang' WHERE "
-        "event_kind = 'mark' AND 0");
-    CHECK(data::chain_breaks(database, session).empty());
-    CHECK(data::chain_head(database, session) == head);
-}
-
-namespace {
-
 /// A disk that fails once, and would take everything after it.
 class DiskWithHiccup : public NoRecorder {
 public:
@@ -291,8 +150,142 @@ bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
 
 }  // namespace
 
-TEST_CASE("after one lost append nothing is stored any more, and every call says so",
-          "[store][law]") {
+TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old") {
+    SEEDED(random, std::uint64_t{6});
+    const TemporaryFile file("a.sqlite");
+    const auto spec = session_spec(small_protocol());
+    const std::vector<Saved> said =
+        record_and_kill(file, spec, 12, std::chrono::milliseconds(random.below(100)));
+    REQUIRE(said.size() >= 12);
+
+    Database database(file, Access::write);
+    auto check = database.first("PRAGMA integrity_check");
+    CHECK(check.text(0) == "ok");
+    check.reset();
+    const auto opened = data::open_session(database, spec);
+    CHECK(opened.interrupted == 1);
+    CHECK(opened.next == 0);
+    auto trial = database.first("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
+    const auto ticks = data::TraceReader(database).stored(trial.integer(0));
+    CHECK(static_cast<std::int64_t>(ticks.size()) >= said.back().ticks);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        REQUIRE(same_bits(ticks[i], random_ticks(1, 1, static_cast<std::int64_t>(i))[0]));
+    }
+    // A busy machine lets the writer wait for its turn, and only ever adds to the age: the least
+    // disturbed save shows what the writer does of itself.
+    const auto least = std::ranges::min(said, {}, &Saved::age_ns);
+    CHECK(std::chrono::nanoseconds(least.age_ns) < 120ms);
+    CHECK(std::chrono::nanoseconds(least.age_ns) >= data::AsyncRecorder::kSaveEvery);
+}
+
+TEST_CASE("a lock of another program keeps no tick and no answer back for good") {
+    SmallSession session;
+    const std::string file = session.folder.file("a.sqlite");
+    data::AsyncRecorder recorder(session.recorder, 5ms);
+    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
+    const auto ticks = random_ticks(1, 9000);
+    Database analyst(file, Access::write);
+    analyst.execute("BEGIN IMMEDIATE");
+    for (std::size_t i = 0; i < ticks.size(); i += 100) {
+        recorder.append(id, std::span(ticks).subspan(i, 100));
+        CHECK_FALSE((i == 5000 && recorder.save()));  // it waits, and does not fail
+    }
+    std::thread ends([&] {
+        std::this_thread::sleep_for(300ms);
+        analyst.execute("COMMIT");
+    });
+    recorder.end_trial(id, answered(0, true, 9000));
+    ends.join();
+    const auto stored = data::TraceReader(session.database).read(id);
+    REQUIRE(stored.size() == ticks.size());
+    CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), same_bits));
+    auto row = analyst.first("SELECT count(*) FROM response");
+    CHECK(row.integer(0) == 1);
+}
+
+TEST_CASE("ticks that come slowly are saved by the clock, not by their number") {
+    SmallSession session;
+    const std::string file = session.folder.file("a.sqlite");
+    data::AsyncRecorder recorder(session.recorder, 5ms);
+    const auto id = begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
+    for (std::int64_t tick = 0; tick < 5; ++tick) {
+        recorder.append(id, random_ticks(1, 1, tick));
+        wait_for_ticks(file, tick + 1);  // nothing else is appended
+    }
+    recorder.end_trial(id, answered(0, true, 5));
+    CHECK(data::TraceReader(session.database).read(id).size() == 5);
+}
+
+TEST_CASE("the log and its index are as private as the file") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
+    for (const char* name : {"a.sqlite", "a.sqlite-wal", "a.sqlite-shm"}) {
+        CAPTURE(name);
+        CHECK(std::filesystem::status(folder.file(name)).permissions() ==
+              (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+    }
+}
+
+TEST_CASE("a disk without room for the session refuses it with what it needs") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const Database database(file, Access::write);
+    auto protocol = small_protocol();
+    CHECK_NOTHROW(data::require_space(file, protocol, 1));
+    CHECK(data::bytes_needed(protocol, 10) >
+          static_cast<std::int64_t>(10 * protocol.timing.explore_timeout *
+                                    protocol.apparatus.rate_hz * 30));
+    const auto many =
+        static_cast<std::size_t>(static_cast<double>(data::bytes_free(file)) /
+                                     (protocol.timing.explore_timeout * 1000.0 * 40.0) +
+                                 2.0);
+    CHECK_THROWS_WITH(data::require_space(file, protocol, many),
+                      Has("a.sqlite", "free some space"));
+    const std::string none = folder.file("none.sqlite");  // before it is made
+    CHECK_NOTHROW(data::require_space(none, protocol, 1));
+    CHECK_THROWS_WITH(data::require_space(none, protocol, 2 * many), Has("none.sqlite"));
+    CHECK_THROWS_WITH(data::require_space(folder.file("no/b.sqlite"), protocol, 1),
+                      Has("is not known"));
+}
+
+TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own") {
+    SmallSession small;
+    Database& database = small.database;
+    const std::int64_t session = small.id;
+    for (const auto& planned : small.spec.plan.trials) {
+        small.record(planned.position, answered(0, planned.condition.object == 0, 50),
+                     random_ticks(planned.position, 50));
+        small.recorder.event({.text = "after it"});
+    }
+    small.recorder.finish_session();
+    REQUIRE(data::chain_breaks(database, session).empty());
+    const std::string finished = data::chain_head(database, session);
+    CHECK(finished.size() == 64);
+    const std::string head = data::mark_invalid(database, 2, {"the bell rang", "Ada"}).head;
+    CHECK(head != finished);
+    CHECK(data::chain_head(database, session) == head);
+    CHECK(data::chain_breaks(database, session).empty());
+    for (const std::string& edit : lines_in(test_text("edits/evident.sql"))) {
+        CAPTURE(edit);
+        database.execute("PRAGMA foreign_keys = OFF; BEGIN");
+        database.execute(edit.c_str());
+        CHECK_FALSE(data::chain_breaks(database, session).empty());
+        database.execute("ROLLBACK");
+    }
+    CHECK(data::chain_breaks(database, session).empty());
+    // Row numbers are no part of it: files may be merged.
+    database.execute(
+        "PRAGMA foreign_keys = OFF; UPDATE response SET trial_id = trial_id + 100;UPDATE "
+        "trace_chunk SET trial_id = trial_id + 100; UPDATE event SET trial_id = trial_id + "
+        "100;UPDATE presentation SET trial_id = trial_id + 100;UPDATE trial SET trial_id = "
+        "trial_id + 100; UPDATE event SET text = 'mark after trial 106: the bell rang' WHERE "
+        "event_kind = 'mark' AND 0");
+    CHECK(data::chain_breaks(database, session).empty());
+    CHECK(data::chain_head(database, session) == head);
+}
+
+TEST_CASE("after one lost append nothing is stored any more, and every call says so") {
     EACH(failing, 1, 2, 7, 20);
     constexpr std::int64_t kParts = 20;
     DiskWithHiccup disk(failing);

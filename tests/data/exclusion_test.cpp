@@ -83,8 +83,8 @@ Words rules_of(const data::Exclusions& exclusions, const std::string& code) {
 }  // namespace
 
 TEST_CASE(
-    "each rule of exclusion leaves out who breaks it and nobody else, on either side of its bound",
-    "[exclusion][law]") {
+    "each rule of exclusion leaves out who breaks it and nobody else, on either side of its "
+    "bound") {
     NewDatabase database;
     const protocols::Protocol protocol = study();
     using List = std::vector<std::string>;
@@ -113,8 +113,7 @@ TEST_CASE(
     CHECK(data::judge(database, "other", "real").all.empty());
 }
 
-TEST_CASE("answers that are neither right nor wrong are in no share of right ones",
-          "[exclusion][law]") {
+TEST_CASE("answers that are neither right nor wrong are in no share of right ones") {
     NewDatabase database;
     const protocols::Protocol protocol = study();
     run(database, protocol, "HALF", {.correct = 11.0 / 24.0});
@@ -127,7 +126,7 @@ TEST_CASE("answers that are neither right nor wrong are in no share of right one
     CHECK(rules_of(data::judge(database, "small", "real"), "HALF").empty());
 }
 
-TEST_CASE("without rules of exclusion the summary says nothing of them", "[exclusion]") {
+TEST_CASE("without rules of exclusion the summary says nothing of them") {
     NewDatabase database;
     protocols::Protocol protocol = study();
     protocol.exclusion = {};

@@ -111,8 +111,7 @@ std::string recounted(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("Python and R count the same answers in CSV, BIDS and Psych-DS as the file has",
-          "[export][law]") {
+TEST_CASE("Python and R count the same answers in CSV, BIDS and Psych-DS as the file has") {
     AwkwardLab lab;
     for (const char* format : {"csv", "bids", "psych-ds"}) {
         lab.exported(format, {"--with-details"});
@@ -138,7 +137,7 @@ TEST_CASE("Python and R count the same answers in CSV, BIDS and Psych-DS as the 
     }
 }
 
-TEST_CASE("bids-validator finds no error in an export", "[export]") {
+TEST_CASE("bids-validator finds no error in an export") {
     const char* validator = std::getenv("PALPATE_BIDS_VALIDATOR");
     if (validator == nullptr || *validator == '\0') {
         WARN(
@@ -161,8 +160,7 @@ TEST_CASE("bids-validator finds no error in an export", "[export]") {
     }
 }
 
-TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by column",
-          "[export][law]") {
+TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by column") {
     const char* library = std::getenv("PALPATE_DUCKDB");
     if (library == nullptr || *library == '\0') {
         WARN(

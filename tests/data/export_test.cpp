@@ -54,7 +54,7 @@ std::string exported_database(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a number's text is read back to the same bits", "[export][law]") {
+TEST_CASE("a number's text is read back to the same bits") {
     Random random(GENERATE(range(0U, 4U)));
     for (int i = 0; i < 50'000; ++i) {
         const std::uint64_t word = static_cast<std::uint64_t>(random.in(0.0, 0x1p32)) << 32U |
@@ -69,8 +69,7 @@ TEST_CASE("a number's text is read back to the same bits", "[export][law]") {
     CHECK(data::number_text(-std::numeric_limits<double>::infinity()) == "-inf");
 }
 
-TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked for",
-          "[export][law]") {
+TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked for") {
     const auto format = GENERATE(ExportFormat::csv, ExportFormat::bids, ExportFormat::psych_ds);
     const TemporaryFolder folder;
     const std::string file = exported_database(folder);
@@ -98,8 +97,7 @@ TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked
 }
 
 TEST_CASE(
-    "the same file gives the same export, and its subjects are not in the order of their codes",
-    "[export][law]") {
+    "the same file gives the same export, and its subjects are not in the order of their codes") {
     const TemporaryFolder folder;
     std::set<std::string> orders;
     for (int i = 0; i < 8; ++i) {
@@ -113,7 +111,7 @@ TEST_CASE(
     CHECK(orders.size() > 1);  // by chance all eight alike: 1 in 6^7
 }
 
-TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export][law]") {
+TEST_CASE("an export is whole or not there, and takes nobody's folder") {
     const TemporaryFolder folder;
     const std::string file = exported_database(folder);
     const fs::path taken = folder.path() / "taken";
@@ -124,12 +122,9 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
     CHECK_THROWS_AS(
         data::export_file(file, ExportFormat::csv, {.kind = "pilot"}, folder.path() / "p"),
         std::invalid_argument);
-    {
-        Database database(file, Access::write);
-        database.execute(
-            "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
-            "holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
-    }
+    sql_edit(file,
+             "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
+             "holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
     CHECK_THROWS(data::export_file(file, ExportFormat::csv, {.traces = true}, folder.path() / "t"));
     for (const std::string& name : folder.names()) {
         CHECK_THAT(name, !Has("part"));
@@ -138,7 +133,7 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
     CHECK_FALSE(fs::exists(folder.path() / "t"));
 }
 
-TEST_CASE("every column of the file is exported or marked to stay in the file", "[export][law]") {
+TEST_CASE("every column of the file is exported or marked to stay in the file") {
     std::string sql;
     for (const data::ExportTable& table : data::export_tables()) {
         for (const data::ExportColumn& column : table.columns) {
@@ -158,8 +153,7 @@ TEST_CASE("every column of the file is exported or marked to stay in the file", 
     }
 }
 
-TEST_CASE("palpate procedure prints the stored states of every exported run",
-          "[export][adaptive][law]") {
+TEST_CASE("palpate procedure prints the stored states of every exported run") {
     const std::string rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
@@ -205,7 +199,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
     CHECK(replayed == 4);
 }
 
-TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
+TEST_CASE("a file without a rule has no runs to export") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     {
@@ -219,8 +213,7 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
 }
 
-TEST_CASE("of a rule on friction exports have what was compared, and say whose the plan's mu is",
-          "[export][adaptive][law]") {
+TEST_CASE("of a rule on friction exports have what was compared, and say whose the plan's mu is") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});
@@ -244,8 +237,7 @@ TEST_CASE("of a rule on friction exports have what was compared, and say whose t
     }
 }
 
-TEST_CASE("an export says how many sessions are in its folder, of what kind, and which are not",
-          "[export][law]") {
+TEST_CASE("an export says how many sessions are in its folder, of what kind, and which are not") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string graded = folder.file("graded.sqlite");
@@ -284,7 +276,7 @@ TEST_CASE("an export says how many sessions are in its folder, of what kind, and
     }
 }
 
-TEST_CASE("what lies beside an export says no more than is there, and all of it", "[export][law]") {
+TEST_CASE("what lies beside an export says no more than is there, and all of it") {
     const TemporaryFolder folder;
     const std::string file = exported_database(folder);
     ran({"export", file, "--keep-codes", "-o", folder.file("csv")});

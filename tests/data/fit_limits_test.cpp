@@ -1,5 +1,6 @@
 #include "data/fit/fit_report.hpp"
 #include "data/fit/optimum.hpp"
+#include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -64,9 +65,8 @@ void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
 }  // namespace
 
 TEST_CASE(
-    "no curve of a grid is higher than the fit, and none that is not refuted lies outside "
-    "the intervals",
-    "[fit][law]") {
+    "no curve of a grid is higher than the fit, and none that is not refuted lies outside the "
+    "intervals") {
     SECTION("answers with two maxima, or a slope without end") {
         struct Case {
             Family family;
@@ -119,8 +119,7 @@ TEST_CASE(
 
 TEST_CASE(
     "at both ends of a Weber fraction's interval the answers refute it just so, wherever the "
-    "levels begin",
-    "[fit][law]") {
+    "levels begin") {
     EACH(first, 1.0, 11.0, 101.0, 1001.0);
     EACH(family, Family::normal, Family::logistic, Family::gumbel);
     const CurveSpec spec{.family = family, .lapse = 0.02};
@@ -170,25 +169,14 @@ double highest_normal(const std::vector<Level>& levels, bool lapse_free) {
         }
         return at[2] < 0.0 || at[2] > 0.25 ? -HUGE_VAL : sum;
     };
-    double best = value();
-    for (double step = 0.1; step > 1e-6;) {
-        const double before = best;
-        for (std::size_t i = 0; i < (lapse_free ? 3U : 2U); ++i) {
-            for (const double by : {step, -step}) {
-                const double kept = at.at(i);
-                at.at(i) += by;
-                const double here = value();
-                best = std::max(best, here);
-                at.at(i) = here < best ? kept : at.at(i);
-            }
-        }
-        step *= best > before + 1e-9 ? 1.0 : 0.5;
+    std::vector<double*> free{&at[0], &at[1]};
+    if (lapse_free) {
+        free.push_back(&at[2]);
     }
-    return best;
+    return highest_by_steps(value, free, 0.1, 1e-6, 1e-9);
 }
 
-TEST_CASE("the second optimiser confirms ordinary curves, which are the highest there is",
-          "[fit][law]") {
+TEST_CASE("the second optimiser confirms ordinary curves, which are the highest there is") {
     int fits = 0;
     int differ = 0;
     Random random(7);
@@ -213,8 +201,8 @@ TEST_CASE("the second optimiser confirms ordinary curves, which are the highest 
     CHECK(500 * differ <= fits);
 }
 
-TEST_CASE("a climb that ends beside the maximum, and above all of the grid, is reported and mended",
-          "[fit][law]") {
+TEST_CASE(
+    "a climb that ends beside the maximum, and above all of the grid, is reported and mended") {
     Random random(GENERATE(range(1U, 11U)));
     const CurveSpec spec{.family = Family::normal, .guess = 0.02, .lapse_free = true};
     const CurveModel model(ordinary(random, 100), spec);
@@ -233,8 +221,7 @@ TEST_CASE("a climb that ends beside the maximum, and above all of the grid, is r
     CHECK_FALSE(checked_by_simplex(model, wrong).agree);
 }
 
-TEST_CASE("the least between two places is found, however few numbers lie between them",
-          "[fit][law]") {
+TEST_CASE("the least between two places is found, however few numbers lie between them") {
     // Slopes of two steep curves may be one place but for the last bits: ln(60 / gap) of both.
     EACH(low, 1.791759469228054, -4.0, 1e-300, 3e10);
     EACH(numbers, range(0, 80));
@@ -252,8 +239,7 @@ TEST_CASE("the least between two places is found, however few numbers lie betwee
     CHECK(least_between(loss, high, low) == 0.0);
 }
 
-TEST_CASE("the standard error of a place is the same wherever the stimulus has its origin",
-          "[fit][law]") {
+TEST_CASE("the standard error of a place is the same wherever the stimulus has its origin") {
     const auto errors = [](double first, Family family) {
         const CurveSpec spec{.family = family, .lapse = 0.02};
         const CurveModel model(counted(first, 40, {2, 8, 20, 33, 38}), spec);
@@ -273,7 +259,7 @@ TEST_CASE("the standard error of a place is the same wherever the stimulus has i
     }
 }
 
-TEST_CASE("a difference has no bootstrap interval where one of its curves has none", "[fit]") {
+TEST_CASE("a difference has no bootstrap interval where one of its curves has none") {
     const Answers bounded{
         .participant = "P01", .condition = "off", .levels = counted(1.0, 40, {2, 8, 20, 33, 38})};
     Answers other{.participant = "P01",
@@ -292,7 +278,7 @@ TEST_CASE("a difference has no bootstrap interval where one of its curves has no
     CHECK(differences().at(0).interval);
 }
 
-TEST_CASE("answers that bound nothing are reported so, and a prior bounds them", "[fit]") {
+TEST_CASE("answers that bound nothing are reported so, and a prior bounds them") {
     const std::vector<Level> perfect{{1, 10, 0}, {2, 10, 0}, {3, 10, 10}, {4, 10, 10}};
     CurveSpec spec{.family = GENERATE(Family::weibull, Family::weibull_log10, Family::weibull_db,
                                       Family::gumbel, Family::normal, Family::logistic)};
@@ -320,8 +306,7 @@ TEST_CASE("answers that bound nothing are reported so, and a prior bounds them",
 }
 
 TEST_CASE(
-    "samples lapse though the estimated rate is 0, and by their mean the estimate is corrected",
-    "[fit]") {
+    "samples lapse though the estimated rate is 0, and by their mean the estimate is corrected") {
     const std::vector<Level> levels{{1, 40, 2},  {2, 40, 6},  {3, 40, 14}, {4, 40, 22},
                                     {5, 40, 30}, {6, 40, 38}, {7, 40, 40}};
     CurveSpec spec{.lapse_free = true};
@@ -347,7 +332,7 @@ TEST_CASE(
     CHECK(slope < quantity_of(spec, fit.at, Quantity::slope));
 }
 
-TEST_CASE("answers that are none are refused with value and remedy", "[fit]") {
+TEST_CASE("answers that are none are refused with value and remedy") {
     const std::vector<Level> good{{1, 10, 2}, {2, 10, 8}};
     const auto refused = [&](const std::vector<Level>& levels, const CurveSpec& spec,
                              const char* why) {

@@ -60,7 +60,7 @@ double value(const CurveSpec& spec, const CurveFit& fit, Quantity quantity) {
 
 }  // namespace
 
-TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[fit][law]") {
+TEST_CASE("two levels are fitted exactly by the line through both quantiles") {
     SEED(30U);
     EACH(family, from_range(kFamilies));
     Random random(seed);
@@ -106,7 +106,7 @@ TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[
     }
 }
 
-TEST_CASE("the gradient of the log-likelihood is the limit of its differences", "[fit][law]") {
+TEST_CASE("the gradient of the log-likelihood is the limit of its differences") {
     SEEDED(random, 60U);
     const Family family = kFamilies[seed % 6];
     const Case one = some_case(family, 0.2, 0.05);
@@ -144,8 +144,7 @@ TEST_CASE("the gradient of the log-likelihood is the limit of its differences", 
     }
 }
 
-TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with what is called a 1",
-          "[fit][law]") {
+TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with what is called a 1") {
     SEED(20U);
     EACH(family, Family::normal, Family::logistic);
     Random random(seed);
@@ -194,8 +193,7 @@ TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with wh
 }
 
 TEST_CASE(
-    "a prior that knows all leaves its mode, one that knows nothing the maximum of likelihood",
-    "[fit][law]") {
+    "a prior that knows all leaves its mode, one that knows nothing the maximum of likelihood") {
     SEEDED(random, 10U);
     const Case one = some_case(Family::logistic, 0.0, 0.0);
     const std::vector<Level> levels = answers(random, one.f, one.x, 30);
@@ -216,8 +214,7 @@ TEST_CASE(
     CHECK(value(spec, strong, Quantity::lapse) == Approx(0.1).epsilon(1e-3));
 }
 
-TEST_CASE("bootstrap samples follow from seed and stream, and their spread is the standard error",
-          "[fit][law]") {
+TEST_CASE("bootstrap samples follow from seed and stream, and their spread is the standard error") {
     const Case one = some_case(Family::normal, 0.0, 0.0);
     std::vector<Level> levels;
     for (const double x : one.x) {  // many answers: the normal approximation holds
@@ -252,8 +249,7 @@ TEST_CASE("bootstrap samples follow from seed and stream, and their spread is th
 // limits are those that a true .95 leaves in one of 2000 such tests.
 TEST_CASE(
     "95 % intervals hold the truth in 95 % of simulated studies, and what is corrected is off by "
-    "nothing",
-    "[fit][law]") {
+    "nothing") {
     struct Drawn {
         Family family;
         double guess;

@@ -2,6 +2,7 @@
 #include "tests/support/database_edits.hpp"
 #include "tests/support/merge_world.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
@@ -36,7 +37,7 @@ void shuffle(Words& files, Random& random) {
 TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
-    "[long][merge][law]") {
+    "[long]") {
     SEED(5U);
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
@@ -65,8 +66,7 @@ TEST_CASE(
     CHECK(content_of(stepwise) == expected);
 }
 
-TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged",
-          "[merge][law]") {
+TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged") {
     for (const auto& [table, column] :
          {std::pair{"response", "reaction_s"}, std::pair{"trial", "done_s"},
           std::pair{"trace_chunk", "data"}, std::pair{"plan", "mu_s"}, std::pair{"event", "text"},
@@ -92,7 +92,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
     }
 }
 
-TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
+TEST_CASE("a trial keeps its id when its session goes on") {
     SEED(3U);
     MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");
@@ -110,8 +110,7 @@ TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
 }
 
 TEST_CASE(
-    "a session that two files tell differently is named with both, and nothing of it is merged",
-    "[merge][law]") {
+    "a session that two files tell differently is named with both, and nothing of it is merged") {
     EACH(column, "session SET device = 'other'", "plan SET mu_s = mu_s + 1",
          "trial SET done_s = 99.0", "trial SET plan_position = 5", "response SET reaction_s = 99.0",
          "trace_chunk SET data = x'00'", "event SET text = 'other'",
@@ -134,11 +133,7 @@ TEST_CASE(
     }
     rig.finish();
     const std::string other = copy_of(rig.file(), folder, 1);
-    {
-        Database database(other, Access::write);
-        database.execute(fmt::format("UPDATE {}", column).c_str());
-        database.checkpoint();
-    }
+    sql_edit(other, fmt::format("UPDATE {}", column));
     const Rig third(folder.file("c.sqlite"), "P07", 1);
 
     const std::string out = folder.file("out.sqlite");
@@ -148,15 +143,12 @@ TEST_CASE(
     CHECK(report.conflicts[0].second == other);
     CHECK_THAT(report.conflicts[0].what, Has("P01"));
     CHECK(report.added == 1);
-    Database database(out, Access::read);
-    auto row = database.first(
-        "SELECT group_concat(participant_code) FROM session JOIN participant USING "
-        "(participant_id)");
-    CHECK(row.text(0) == "P07");
+    CHECK(sql_first(out,
+                    "SELECT group_concat(participant_code) FROM session JOIN participant USING "
+                    "(participant_id)") == "P07");
 }
 
-TEST_CASE("of a session that two files tell differently the preferred file's is taken",
-          "[merge][law]") {
+TEST_CASE("of a session that two files tell differently the preferred file's is taken") {
     const TemporaryFolder folder;
     const Rig rig(folder.file("a.sqlite"), "P01", 1);
     const std::string other = copy_of(rig.file(), folder, 1);
@@ -178,8 +170,7 @@ TEST_CASE("of a session that two files tell differently the preferred file's is 
 }
 
 TEST_CASE(
-    "one study, participant and number under two uuids is a conflict, and what was there stays",
-    "[merge][law]") {
+    "one study, participant and number under two uuids is a conflict, and what was there stays") {
     const TemporaryFolder folder;
     const Rig a(folder.file("a.sqlite"), "P01", 1);
     const Rig b(folder.file("b.sqlite"), "P01", 1);
@@ -194,8 +185,7 @@ TEST_CASE(
 
 TEST_CASE(
     "what one file knows of a participant fills what the other does not, of two notes the newest "
-    "is kept, and of one time they are a conflict",
-    "[merge][law]") {
+    "is kept, and of one time they are a conflict") {
     const TemporaryFolder folder;
     const Rig a(folder.file("a.sqlite"), "P01", 1);
     const Rig b(folder.file("b.sqlite"), "P01", 2);
@@ -223,10 +213,9 @@ TEST_CASE(
     CHECK(newest.notices.size() == 1);
     CHECK(newest.added == 2);
     for (const Rig* rig : {&a, &b}) {
-        Database one(rig->file(), Access::write);
-        one.execute(
-            "UPDATE participant SET handedness_utc = '2026-01-01T00:00:00.000Z'; UPDATE "
-            "participant_detail SET noted_utc = '2026-01-01T00:00:00.000Z'");
+        sql_edit(rig->file(),
+                 "UPDATE participant SET handedness_utc = '2026-01-01T00:00:00.000Z'; UPDATE "
+                 "participant_detail SET noted_utc = '2026-01-01T00:00:00.000Z'");
     }
     const std::string none = folder.file("none.sqlite");
     const MergeReport report = data::merge_files(none, {b.file(), a.file()});
@@ -249,7 +238,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
+TEST_CASE("every row of every table arrives in a merged file") {
     MergeWorld world(99);
     const std::string out = world.folder.file("out.sqlite");
     (void)data::merge_files(out, world.last);
@@ -271,8 +260,7 @@ TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
     }
 }
 
-TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked",
-          "[merge][law]") {
+TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked") {
     const TemporaryFolder folder;
     const auto run = [&folder](const char* participant, const char* file) {
         ran(run_words("shape_friction_demo", participant, folder.file(file), {"--headless"}));
@@ -286,8 +274,7 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
     CHECK_THAT(ran({"verify", out}).out, Has("3 sessions"));
 }
 
-TEST_CASE("merges at once into a file that is not there bring what one after the other would",
-          "[merge][law]") {
+TEST_CASE("merges at once into a file that is not there bring what one after the other would") {
     const TemporaryFolder folder;
     Words files;  // each with a secret of its own
     for (const char who : {'1', '2', '3', '4'}) {

@@ -60,8 +60,7 @@ double by_grid(const People& people, double b0, double b1, const std::array<doub
 
 }  // namespace
 
-TEST_CASE("n nodes of Gauss and Hermite integrate every power below 2 n exactly",
-          "[inference][law]") {
+TEST_CASE("n nodes of Gauss and Hermite integrate every power below 2 n exactly", "[inference]") {
     for (int n = 1; n <= 40; ++n) {
         const Nodes nodes = gauss_hermite(n);
         for (int power = 0; power < std::min(2 * n, 30); ++power) {
@@ -79,7 +78,7 @@ TEST_CASE("n nodes of Gauss and Hermite integrate every power below 2 n exactly"
 }
 
 TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is near it",
-          "[inference][law]") {
+          "[inference]") {
     SEED(6U);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -94,7 +93,7 @@ TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is
     CHECK(std::fabs(mixed_deviance(people, b0, b1, l, gauss_hermite(1)) - wanted) < 0.3);
 }
 
-TEST_CASE("where people do not differ the likelihood is that of coins", "[inference][law]") {
+TEST_CASE("where people do not differ the likelihood is that of coins", "[inference]") {
     const auto seed = GENERATE(seeds(20U));
     std::mt19937_64 random(seed);
     const People people = drawn_people(random, 5, 30, 0.3, 0.5, 0.5);
@@ -112,7 +111,7 @@ TEST_CASE("where people do not differ the likelihood is that of coins", "[infere
 }
 
 TEST_CASE("a fit is the highest point around, and turning the conditions round turns its effect",
-          "[inference][law]") {
+          "[inference]") {
     SEED(8U);
     std::mt19937_64 random(100 + seed);
     People people = drawn_people(random, 10, 40, -0.5, 0.7, 0.4);
@@ -171,7 +170,7 @@ TEST_CASE("the simulated p is the same again, and that of chi-square for many pe
 
 // PALPATE_NULL_STUDIES=10000 draws so many studies a spread; what then comes is in docs/data.md.
 TEST_CASE("of studies without an effect every test within person finds one in about 5 %",
-          "[inference][law]") {
+          "[inference]") {
     const char* asked = std::getenv("PALPATE_NULL_STUDIES");
     const int studies = asked != nullptr ? std::atoi(asked) : 100;
     const double spread = GENERATE(0.0, 0.4, 0.8);

@@ -20,10 +20,56 @@ void run_on(Database& database, const data::SessionSpec& spec) {
     recorder.finish_session();
 }
 
+struct Answered {
+    std::vector<std::size_t> shapes;
+    std::vector<std::size_t> responses;
+};
+
+/// `trials` of five shapes, each as often; a share of the answers is right, the others are any
+/// shape, or a neighbour.
+Answered some_answers(std::mt19937_64& random,
+                      std::size_t trials,
+                      double right,
+                      bool near = false) {
+    std::uniform_real_distribution<double> uniform;
+    Answered all;
+    for (std::size_t i = 0; i < trials; ++i) {
+        const std::size_t shape = i % 5;
+        const auto beside = [&] {
+            return shape == 0 || (shape < 4 && random() % 2 == 0) ? shape + 1 : shape - 1;
+        };
+        all.shapes.push_back(shape);
+        all.responses.push_back(uniform(random) < right ? shape : near ? beside() : random() % 5);
+    }
+    return all;
+}
+
+/// Bits of a channel that is right with probability `right` and guesses among five else.
+double bits_of(double right) {
+    const double hit = right + (1.0 - right) / 5.0;
+    const double other = (1.0 - right) / 5.0;
+    return std::log2(5.0) + hit * std::log2(hit) + 4.0 * other * std::log2(other);
+}
+
+/// Of one that is right or names a neighbour.
+double bits_beside(double right) {
+    const double wrong = 1.0 - right;
+    // Shares of the answers: an outer shape, the next one, the middle one.
+    const double outer = (right + 0.5 * wrong) / 5.0;
+    const double next = (right + 1.5 * wrong) / 5.0;
+    const double middle = (right + wrong) / 5.0;
+    const auto term = [](double p) {
+        return p * std::log2(p);
+    };
+    const double of_response = -2.0 * term(outer) - 2.0 * term(next) - term(middle);
+    const double of_outer = -term(right) - term(wrong);
+    const double of_inner = -term(right) - 2.0 * term(0.5 * wrong);
+    return of_response - (2.0 * of_outer + 3.0 * of_inner) / 5.0;
+}
+
 }  // namespace
 
-TEST_CASE("an answer that does not count is kept with its reason, left out and counted apart",
-          "[store][invalid][law]") {
+TEST_CASE("an answer that does not count is kept with its reason, left out and counted apart") {
     SmallSession session;
     Database& database = session.database;
     auto bad = answered(1, true);
@@ -44,8 +90,7 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     CHECK_THROWS_AS(session.record(2, aborted), std::logic_error);
 }
 
-TEST_CASE("an answer marked afterwards is left out, kept, and run again unless all is finished",
-          "[store][invalid][law]") {
+TEST_CASE("an answer marked afterwards is left out, kept, and run again unless all is finished") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol());
     {
@@ -84,7 +129,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     CHECK(data::open_session(database, spec).finished);
 }
 
-TEST_CASE("what is noted of a participant stays until it is noted otherwise", "[store][people]") {
+TEST_CASE("what is noted of a participant stays until it is noted otherwise") {
     NewDatabase database;
     CHECK_FALSE(data::find_participant(database, "P1").has_value());
     data::note_participant(database, "P1", {.handedness = 80, .consent = true});
@@ -104,8 +149,7 @@ TEST_CASE("what is noted of a participant stays until it is noted otherwise", "[
     CHECK_FALSE(data::find_participant(database, "P2").has_value());  // all or nothing
 }
 
-TEST_CASE("participant, note and mark work from the command line and refuse with a sentence",
-          "[people][cli]") {
+TEST_CASE("participant, note and mark work from the command line and refuse with a sentence") {
     const TemporaryFile file("a.sqlite");
     const Finished unknown = palpate_command({"participant", file, "P1"});
     CHECK(unknown.code != 0);
@@ -162,7 +206,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }
 
-TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 has it", "[people]") {
+TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 has it") {
     // Every sequence of one, two and three bytes against the ranges of the RFC's table 3-7 in
     // Unicode.
     const auto by_table = [](unsigned a, unsigned b, unsigned c) -> std::size_t {
@@ -199,7 +243,7 @@ TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 ha
     CHECK(is_utf8("çukur, 凹, \xF0\x9F\x98\x80"));
 }
 
-TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]") {
+TEST_CASE("words that are not UTF-8 are refused before they are kept") {
     const TemporaryFile file("a.sqlite");
     ran({"demo", "--headless", "--db", file});
     Database database(file, Access::read);
@@ -217,57 +261,6 @@ TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]
     }
     CHECK(noted() == before);
 }
-
-namespace {
-
-struct Answered {
-    std::vector<std::size_t> shapes;
-    std::vector<std::size_t> responses;
-};
-
-/// `trials` of five shapes, each as often; a share of the answers is right, the others are any
-/// shape, or a neighbour.
-Answered some_answers(std::mt19937_64& random,
-                      std::size_t trials,
-                      double right,
-                      bool near = false) {
-    std::uniform_real_distribution<double> uniform;
-    Answered all;
-    for (std::size_t i = 0; i < trials; ++i) {
-        const std::size_t shape = i % 5;
-        const auto beside = [&] {
-            return shape == 0 || (shape < 4 && random() % 2 == 0) ? shape + 1 : shape - 1;
-        };
-        all.shapes.push_back(shape);
-        all.responses.push_back(uniform(random) < right ? shape : near ? beside() : random() % 5);
-    }
-    return all;
-}
-
-/// Bits of a channel that is right with probability `right` and guesses among five else.
-double bits_of(double right) {
-    const double hit = right + (1.0 - right) / 5.0;
-    const double other = (1.0 - right) / 5.0;
-    return std::log2(5.0) + hit * std::log2(hit) + 4.0 * other * std::log2(other);
-}
-
-/// Of one that is right or names a neighbour.
-double bits_beside(double right) {
-    const double wrong = 1.0 - right;
-    // Shares of the answers: an outer shape, the next one, the middle one.
-    const double outer = (right + 0.5 * wrong) / 5.0;
-    const double next = (right + 1.5 * wrong) / 5.0;
-    const double middle = (right + wrong) / 5.0;
-    const auto term = [](double p) {
-        return p * std::log2(p);
-    };
-    const double of_response = -2.0 * term(outer) - 2.0 * term(next) - term(middle);
-    const double of_outer = -term(right) - term(wrong);
-    const double of_inner = -term(right) - 2.0 * term(0.5 * wrong);
-    return of_response - (2.0 * of_outer + 3.0 * of_inner) / 5.0;
-}
-
-}  // namespace
 
 TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials shows 0.28 bits",
           "[inference]") {
@@ -302,8 +295,7 @@ TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials 
     CHECK_FALSE(transmitted({}, {}, 10, 1, 1).interval);
 }
 
-TEST_CASE("the permutation null is the mean over all ways to deal the answers",
-          "[inference][law]") {
+TEST_CASE("the permutation null is the mean over all ways to deal the answers", "[inference]") {
     const std::vector<std::size_t> shapes{0, 0, 0, 1, 1, 1};
     const std::vector<std::size_t> responses{0, 0, 0, 0, 1, 1};
     // The two answers 1 fall on 15 pairs of trials: 9 mixed, 6 on one shape.
@@ -321,7 +313,7 @@ TEST_CASE("the permutation null is the mean over all ways to deal the answers",
 }
 
 // PALPATE_BITS_PEOPLE=4000 draws so many people; what then comes is in docs/data.md.
-TEST_CASE("the interval of transmitted bits holds the channel's own", "[inference][law]") {
+TEST_CASE("the interval of transmitted bits holds the channel's own", "[inference]") {
     const char* asked = std::getenv("PALPATE_BITS_PEOPLE");
     const int people = asked != nullptr ? std::atoi(asked) : 300;
     const double right = GENERATE(0.3, 0.5, 0.7);
@@ -346,7 +338,7 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
 }
 
 TEST_CASE("the area of confidence is the share of pairs, ties half, counted one by one",
-          "[inference][law]") {
+          "[inference]") {
     std::mt19937 random(GENERATE(seeds(30U)));
     const auto levels = [&] {
         std::vector<double> all(1 + random() % 20);
@@ -370,7 +362,7 @@ TEST_CASE("the area of confidence is the share of pairs, ties half, counted one 
 }
 
 TEST_CASE("a trend gives back the slopes of a plane, and leaves out what it cannot tell apart",
-          "[inference][law]") {
+          "[inference]") {
     const auto seed = GENERATE(seeds(20U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);

@@ -56,8 +56,7 @@ struct Closed {
 
 }  // namespace
 
-TEST_CASE("power of the paired t is that of the noncentral t where differences are nearly normal",
-          "[power][law]") {
+TEST_CASE("power of the paired t is that of the noncentral t where differences are nearly normal") {
     const double change = GENERATE(-0.12, -0.07, 0.1);
     const double spread = GENERATE(0.0, 0.08);
     const std::size_t people = GENERATE(8U, 16U);
@@ -87,7 +86,7 @@ TEST_CASE("power of the paired t is that of the noncentral t where differences a
         Approx(wrong).margin(0.005 + 4.0 * std::sqrt(wrong * (1.0 - wrong) / (1500.0 * expected))));
 }
 
-TEST_CASE("without an effect each test is significant as often as it says", "[power][law]") {
+TEST_CASE("without an effect each test is significant as often as it says") {
     const Closed none{.share = 0.6, .change = 0.0, .spread = 0.1};
     const auto test =
         GENERATE(PrimaryTest::paired_t, PrimaryTest::sign_flip, PrimaryTest::signed_rank);
@@ -97,7 +96,7 @@ TEST_CASE("without an effect each test is significant as often as it says", "[po
     CHECK_FALSE(point.exaggeration);
 }
 
-TEST_CASE("tests of power are those of stats, by another way", "[power][law]") {
+TEST_CASE("tests of power are those of stats, by another way") {
     SEEDED(random, 60U);
     const Closed closed{.change = random.in(-0.2, 0.2), .spread = 0.1};
     const PowerPeople draw = closed.people(seed);
@@ -120,7 +119,7 @@ TEST_CASE("tests of power are those of stats, by another way", "[power][law]") {
     }
 }
 
-TEST_CASE("any number of threads and any order of questions gives the same power", "[power][law]") {
+TEST_CASE("any number of threads and any order of questions gives the same power") {
     const Closed closed{};
     PowerStudies one({.studies = 200, .threads = 1}, closed.people());
     PowerStudies three({.studies = 200, .threads = 3}, closed.people());

@@ -180,8 +180,7 @@ Protocol protocol_of(int design) {
 
 }  // namespace
 
-TEST_CASE("attempts and events up to any moment, gone through, are what the session knew then",
-          "[session][store][law]") {
+TEST_CASE("attempts and events up to any moment, gone through, are what the session knew then") {
     const int design = GENERATE(0, 1, 2);
     std::map<EventKind, int> kinds;
     std::size_t looked = 0;
@@ -234,7 +233,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
     }
 }
 
-TEST_CASE("every kind of event has a word, and comes back from it", "[session]") {
+TEST_CASE("every kind of event has a word, and comes back from it") {
     std::set<std::string_view> words;
     for (std::size_t i = 0; i < kEventKinds; ++i) {
         const auto kind = static_cast<EventKind>(i);
@@ -245,8 +244,7 @@ TEST_CASE("every kind of event has a word, and comes back from it", "[session]")
     CHECK_THROWS_AS(event_kind("breaks"), std::invalid_argument);
 }
 
-TEST_CASE("a trial's device is the last one that was meant before it, or the session's first",
-          "[store][law]") {
+TEST_CASE("a trial's device is the last one that was meant before it, or the session's first") {
     SEEDED(random, std::uint64_t{50});
     const TrialDevice first{.name = "first", .calibration = "0"};
     DeviceProgress device{.begun = first};
@@ -282,7 +280,7 @@ TEST_CASE("a trial's device is the last one that was meant before it, or the ses
     }
 }
 
-TEST_CASE("another port is the same rig, another calibration or machine is not", "[store]") {
+TEST_CASE("another port is the same rig, another calibration or machine is not") {
     const TrialDevice rig{.name = "Haply gen3 at /dev/ttyACM0", .calibration = "1a"};
     CHECK(same_rig(rig, {.name = "Haply gen3 at /dev/ttyACM1", .calibration = "1a"}));
     CHECK_FALSE(same_rig(rig, {.name = "Haply gen3 at /dev/ttyACM0", .calibration = "1b"}));

@@ -8,7 +8,7 @@
 
 using namespace palpate::data;
 
-TEST_CASE("a damaged session does not reach the server", "[push][law]") {
+TEST_CASE("a damaged session does not reach the server") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -21,8 +21,8 @@ TEST_CASE("a damaged session does not reach the server", "[push][law]") {
 }
 
 TEST_CASE(
-    "rigs that push at the same time, into a table in parts, leave what one after the other would",
-    "[push][law]") {
+    "rigs that push at the same time, into a table in parts, leave what one after the other "
+    "would") {
     A_SERVER(server);
     const TemporaryFolder folder;
     Words files;
@@ -69,8 +69,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "TLS is checked as the address says: the server's name, who signed for it, no plain words",
-    "[push][law]") {
+    "TLS is checked as the address says: the server's name, who signed for it, no plain words") {
     const TemporaryFolder folder;
     for (const char* name : {"rig", "other"}) {
         const Finished made =
@@ -133,7 +132,7 @@ TEST_CASE(
     CHECK(by_service("other.crt") == 1);
 }
 
-TEST_CASE("a password in the address is not left among the words that ps shows", "[push]") {
+TEST_CASE("a password in the address is not left among the words that ps shows") {
     if (!has_libpq()) {
         return;
     }
@@ -162,7 +161,7 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
     close(silent);
 }
 
-TEST_CASE("of a file only palpate's tables go to a server, and only who consents", "[push][law]") {
+TEST_CASE("of a file only palpate's tables go to a server, and only who consents") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -222,8 +221,7 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
         !Has("another machine"));
 }
 
-TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice",
-          "[push][repair][law]") {
+TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -259,8 +257,7 @@ TEST_CASE("what is repaired after a push reaches the server as events, and nothi
     check_end(destroyed, 1, Has("the server has it: an administrator deletes"));
 }
 
-TEST_CASE("an older copy brings no session of who refuses, under whosever code it has it",
-          "[push][repair][law]") {
+TEST_CASE("an older copy brings no session of who refuses, under whosever code it has it") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string newer = a_database(folder);
@@ -294,7 +291,7 @@ TEST_CASE("an older copy brings no session of who refuses, under whosever code i
     CHECK(sessions() == "1");
 }
 
-TEST_CASE("an older copy brings no session that was destroyed", "[push][repair][law]") {
+TEST_CASE("an older copy brings no session that was destroyed") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string newer = a_database(folder);
@@ -312,8 +309,7 @@ TEST_CASE("an older copy brings no session that was destroyed", "[push][repair][
     CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
 }
 
-TEST_CASE("what a file says is of who refused on the server comes by no older copy",
-          "[push][repair][law]") {
+TEST_CASE("what a file says is of who refused on the server comes by no older copy") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const auto push = [&](const std::string& file) {
@@ -338,8 +334,7 @@ TEST_CASE("what a file says is of who refused on the server comes by no older co
 }
 
 TEST_CASE(
-    "a score that the server has of who refuses or had it destroyed is named until it is gone",
-    "[push][repair][law]") {
+    "a score that the server has of who refuses or had it destroyed is named until it is gone") {
     A_SERVER(server);
     const TemporaryFolder folder;
     for (const Words& later : {Words{"--consent", "no"}, Words{"--destroy", "everything", "--yes"},

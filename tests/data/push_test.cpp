@@ -21,7 +21,7 @@ void chain_again(Database& database) {
 
 }  // namespace
 
-TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push][law]") {
+TEST_CASE("pushing twice is pushing once, and chunks arrive as they are") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -60,8 +60,8 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
     CHECK(*later[0][1] == data::chain_head(database, 1));
 }
 
-TEST_CASE("a push or its server cut off at random moments, and pushed again, equals one whole push",
-          "[push][law]") {
+TEST_CASE(
+    "a push or its server cut off at random moments, and pushed again, equals one whole push") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -112,8 +112,7 @@ TEST_CASE("a push or its server cut off at random moments, and pushed again, equ
 }
 
 TEST_CASE(
-    "an attempt is on the server with all that belongs to it or not at all, wherever it fails",
-    "[push][law]") {
+    "an attempt is on the server with all that belongs to it or not at all, wherever it fails") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -146,7 +145,7 @@ TEST_CASE(
     CHECK(content(server->url()) == content(whole));
 }
 
-TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]") {
+TEST_CASE("what the server has otherwise is a conflict, and stays") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -172,8 +171,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
     }
 }
 
-TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be wrong on a server",
-          "[push][law]") {
+TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be wrong on a server") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -207,7 +205,7 @@ TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be w
     }
 }
 
-TEST_CASE("what a server lost comes again, and a column that it lost is named", "[push][law]") {
+TEST_CASE("what a server lost comes again, and a column that it lost is named") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -243,8 +241,7 @@ TEST_CASE("what a server lost comes again, and a column that it lost is named", 
     }
 }
 
-TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password",
-          "[push][law]") {
+TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
@@ -284,8 +281,7 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
     }
 }
 
-TEST_CASE("which session is whose the server goes by the uuid, then by what its events say last",
-          "[push][repair][law]") {
+TEST_CASE("which session is whose the server goes by the uuid, then by what its events say last") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const auto run_in = [&folder](const char* name) {
@@ -333,8 +329,7 @@ TEST_CASE("which session is whose the server goes by the uuid, then by what its 
     }
 }
 
-TEST_CASE("details that were destroyed come by no session of an older copy, new ones do",
-          "[push][repair][law]") {
+TEST_CASE("details that were destroyed come by no session of an older copy, new ones do") {
     A_SERVER(server);
     const TemporaryFolder folder;
     const std::string newer = a_database(folder);

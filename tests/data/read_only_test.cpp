@@ -147,8 +147,7 @@ bool permissions_bind(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a database in a folder that cannot be written is read as anywhere else",
-          "[store][law]") {
+TEST_CASE("a database in a folder that cannot be written is read as anywhere else") {
     EACH(looked_at, false, true);  // a reader leaves an empty log and its index
     const TemporaryFolder folder;
     const std::string file = folder.file("a b%41.sqlite");  // a name that a URI has to spell out
@@ -166,8 +165,7 @@ TEST_CASE("a database in a folder that cannot be written is read as anywhere els
 }
 
 // SQLite keeps the log beside the file, not beside the link.
-TEST_CASE("what a killed rig has only in its log is seen in a locked folder, and through a link",
-          "[store][law]") {
+TEST_CASE("what a killed rig has only in its log is seen in a locked folder, and through a link") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string hash = record_and_die(file);
@@ -183,7 +181,7 @@ TEST_CASE("what a killed rig has only in its log is seen in a locked folder, and
     CHECK(without_rights([&] { return hash_of(links.file("b.sqlite")); }) == hash);
 }
 
-TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
+TEST_CASE("a rig whose folder cannot be written hears so") {
     const TemporaryFolder folder;
     static_cast<void>(record(folder.file("a.sqlite")));
     const Locked locked(folder);
@@ -197,8 +195,7 @@ TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
                Has("a.sqlite", "read-only"));
 }
 
-TEST_CASE("who reads a file of another's leaves nothing beside it that would lock its owner out",
-          "[store][law]") {
+TEST_CASE("who reads a file of another's leaves nothing beside it that would lock its owner out") {
     const TemporaryFolder folder;
     const std::string file = alices(folder);
     if (file.empty()) {
@@ -223,8 +220,8 @@ TEST_CASE("who reads a file of another's leaves nothing beside it that would loc
     Database(file, Access::write).execute("UPDATE participant SET handedness = 20");
 }
 
-TEST_CASE("who reads a file of another's while it is written hears so, and reads the new one then",
-          "[store][law]") {
+TEST_CASE(
+    "who reads a file of another's while it is written hears so, and reads the new one then") {
     const TemporaryFolder folder;
     const std::string file = alices(folder);
     if (file.empty()) {
@@ -247,8 +244,7 @@ TEST_CASE("who reads a file of another's while it is written hears so, and reads
     CHECK(Database(file, Access::read).first(kHandedness).integer(0) == 20);
 }
 
-TEST_CASE("what another user's program left beside a file is said, and what to do",
-          "[store][law]") {
+TEST_CASE("what another user's program left beside a file is said, and what to do") {
     const TemporaryFolder folder;
     const std::string file = alices(folder);
     if (file.empty()) {
@@ -267,7 +263,7 @@ TEST_CASE("what another user's program left beside a file is said, and what to d
     }
 }
 
-TEST_CASE("the index of another's log is not made for them", "[store][law]") {
+TEST_CASE("the index of another's log is not made for them") {
     const TemporaryFolder folder;
     const std::string file = alices(folder);
     if (file.empty()) {

@@ -31,7 +31,7 @@ void check_same(std::span<const engine::TickRecord> stored,
 
 }  // namespace
 
-TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
+TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace") {
     SEED(std::uint64_t{8});
     EACH(async, false, true);
     SmallSession rig;
@@ -51,7 +51,7 @@ TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[s
     CHECK(row.integer(1) == 0);
 }
 
-TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
+TEST_CASE("after a trial the database file alone is whole") {
     SmallSession rig;
     const auto ticks = random_ticks(1, 700);
     const auto id = rig.record(0, answered(0, true), ticks);
@@ -61,7 +61,7 @@ TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
     check_same(data::TraceReader(copy).read(id), ticks);
 }
 
-TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
+TEST_CASE("an analyst who reads does not stop the rig") {
     SmallSession rig;
     Database analyst(rig.folder.file("a.sqlite"), Access::read);
     auto looking = analyst.prepare("SELECT * FROM plan");
@@ -71,7 +71,7 @@ TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
                ticks);
 }
 
-TEST_CASE("a full disk is said, and everything acknowledged before it is there", "[store][law]") {
+TEST_CASE("a full disk is said, and everything acknowledged before it is there") {
     SmallSession rig;
     const auto ticks = random_ticks(3, 512);
     const auto first = rig.record(0, answered(0, true), ticks);
@@ -100,8 +100,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
 
 TEST_CASE(
     "a file that is moved, or deleted with or without its log, under the rig is missed at the end "
-    "of the trial, and what was recorded is there",
-    "[store][law]") {
+    "of the trial, and what was recorded is there") {
     EACH(what, as<std::string>{}, "moved", "deleted", "log deleted");
     SmallSession rig;
     const auto ticks = random_ticks(3, 5000);
@@ -143,8 +142,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "the last ticks before a fault are there in plain SQL, also when the trace lost its chunks",
-    "[store][fault][law]") {
+    "the last ticks before a fault are there in plain SQL, also when the trace lost its chunks") {
     SEED(std::uint64_t{10});
     SmallSession session;
     Database& database = session.database;
@@ -189,8 +187,7 @@ TEST_CASE(
     CHECK(lines(database, "SELECT force_slew_ticks, stale_ticks FROM trial") == "3 2 \n");
 }
 
-TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothing",
-          "[store][fault]") {
+TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothing") {
     SmallSession session;
     Database& database = session.database;
     const auto id = session.begin(0);

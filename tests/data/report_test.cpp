@@ -79,8 +79,7 @@ Figure one_panel(std::vector<double> x, std::vector<double> y) {
 
 }  // namespace
 
-TEST_CASE("every figure is well-formed, the same twice, and its data lie inside its axes",
-          "[report][law]") {
+TEST_CASE("every figure is well-formed, the same twice, and its data lie inside its axes") {
     SEEDED(random, 120U);
     const Figure figure = random_figure(random);
     const std::string text = svg(figure);
@@ -116,7 +115,7 @@ TEST_CASE("every figure is well-formed, the same twice, and its data lie inside 
     }
 }
 
-TEST_CASE("a value that is not finite breaks the line", "[report]") {
+TEST_CASE("a value that is not finite breaks the line") {
     const SvgReader reader(
         svg(one_panel({0, 1, 2, 3, 4, 5, 6},
                       {0, 1, std::numeric_limits<double>::quiet_NaN(), 3, 2, std::nan(""), 1})));
@@ -133,8 +132,7 @@ TEST_CASE("a value that is not finite breaks the line", "[report]") {
     CHECK(std::count(path.begin(), path.end(), 'M') == 2);
 }
 
-TEST_CASE("dense data lose points that change no pixel, never the first, the last or a peak",
-          "[report]") {
+TEST_CASE("dense data lose points that change no pixel, never the first, the last or a peak") {
     Figure figure = one_panel({}, {});
     for (int i = 0; i <= 100000; ++i) {
         figure.panels[0].series[0].x.push_back(i * 1e-3);
@@ -154,8 +152,7 @@ TEST_CASE("dense data lose points that change no pixel, never the first, the las
     CHECK(top->y == Approx(plot.number("y") + margin * plot.number("height")).margin(0.01));
 }
 
-TEST_CASE("text is escaped, the caption is wrapped to the width, legends stand above the axes",
-          "[report]") {
+TEST_CASE("text is escaped, the caption is wrapped to the width, legends stand above the axes") {
     Figure figure = one_panel({0, 1}, {0, 1});
     figure.title = "mu < 1 & \"so\"";
     figure.panels[0].series[0].name = "<script>";
@@ -178,7 +175,7 @@ TEST_CASE("text is escaped, the caption is wrapped to the width, legends stand a
     }
 }
 
-TEST_CASE("with equal aspect a metre is as long along x as along y", "[report]") {
+TEST_CASE("with equal aspect a metre is as long along x as along y") {
     Figure figure = one_panel({0.0, 0.1, 0.1, 0.0}, {0.0, 0.0, 0.02, 0.02});
     figure.panels[0].equal_aspect = true;
     const auto p = places(SvgReader(svg(figure)).all("path", "series").at(0).attributes.at("d"));
@@ -186,7 +183,7 @@ TEST_CASE("with equal aspect a metre is as long along x as along y", "[report]")
     CHECK(std::fabs(p[1].x - p[0].x) / std::fabs(p[2].y - p[1].y) == Approx(5.0).epsilon(1e-3));
 }
 
-TEST_CASE("panels below one another share their x axis", "[report]") {
+TEST_CASE("panels below one another share their x axis") {
     Figure figure = one_panel({0.0, 10.0}, {0.0, 1.0});
     figure.panels.push_back(one_panel({4.0, 6.0}, {0.0, 1.0}).panels[0]);
     const auto width = [](const Figure& f) {
@@ -198,7 +195,7 @@ TEST_CASE("panels below one another share their x axis", "[report]") {
     CHECK(width(figure) == Approx(5.0 * shared).epsilon(1e-3));
 }
 
-TEST_CASE("a figure refuses what it cannot draw, with what and how to repair it", "[report]") {
+TEST_CASE("a figure refuses what it cannot draw, with what and how to repair it") {
     CHECK_THROWS_WITH(svg(Figure{}), Has("panel"));
     CHECK_THROWS_WITH(svg(one_panel({1, 2, 3}, {1, 2})), Has("3 x and 2 y"));
     Figure figure = one_panel({0, 1}, {0, 1});
@@ -216,8 +213,7 @@ TEST_CASE("a figure refuses what it cannot draw, with what and how to repair it"
     CHECK_NOTHROW(svg(one_panel({}, {})));  // axes and "no data"
 }
 
-TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value",
-          "[report][law]") {
+TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value") {
     SEEDED(random, 300U);
     const double size = random.decade(-12.0, 12.0);
     const double low = size * random.in(-3.0, 3.0);
@@ -241,7 +237,7 @@ TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say th
     }
 }
 
-TEST_CASE("log axes name their decades", "[report]") {
+TEST_CASE("log axes name their decades") {
     const auto labels = [](double low, double high) {
         std::string all;
         for (const AxisTick& tick : nice_ticks({.low = low, .high = high, .log = true}, 6).ticks) {
@@ -255,7 +251,7 @@ TEST_CASE("log axes name their decades", "[report]") {
     CHECK(labels(1.0, 4.0) == "1.0 1.5 2.0 2.5 3.0 3.5 4.0 ");
 }
 
-TEST_CASE("CSV numbers read back to the same bits", "[report][law]") {
+TEST_CASE("CSV numbers read back to the same bits") {
     Random random(11);
     CsvColumn a{.name = "time_s", .values = {}};
     CsvColumn b{.name = "a, \"b\"", .values = {}};
@@ -284,7 +280,7 @@ TEST_CASE("CSV numbers read back to the same bits", "[report][law]") {
     CHECK_THROWS_AS(csv({}), std::invalid_argument);
 }
 
-TEST_CASE("the sagitta is that of a circle through both ends of the chord", "[sheet][law]") {
+TEST_CASE("the sagitta is that of a circle through both ends of the chord") {
     Random random(1);
     for (int i = 0; i < 1000; ++i) {
         const double chord = random.in(0.001, 0.1);
@@ -298,8 +294,7 @@ TEST_CASE("the sagitta is that of a circle through both ends of the chord", "[sh
     CHECK(sagitta(0.0, 0.05) == 0.0);
 }
 
-TEST_CASE("the sheet names every object with curvature and sagitta, and draws it to scale",
-          "[sheet]") {
+TEST_CASE("the sheet names every object with curvature and sagitta, and draws it to scale") {
     protocols::Protocol protocol = small_protocol();
     protocol.title = "a < b & c";
     protocol.objects.push_back({"catch_12", 12.0, false});

@@ -50,9 +50,20 @@ std::string random_condition(Random& random, const std::string& trial) {
     return where;
 }
 
+/// With every interval short, too.
+std::string brief_text(std::string_view name,
+                       std::vector<std::pair<std::string, std::string>> edits) {
+    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
+                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
+                       "[timing]\nexplore_min_s = 0.5\n");
+    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
+    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
+    return short_text(name, edits);
+}
+
 }  // namespace
 
-TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
+TEST_CASE("a query gives the same rows with and without the index") {
     Opened database(demo_file());
     const auto seed = GENERATE(seeds(24U));
     Random with(seed);
@@ -81,7 +92,7 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     CHECK((a == b));
 }
 
-TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[sample]") {
+TEST_CASE("trial_id is an index, and the rows come in order without a sort") {
     Opened database(demo_file());
     for (const char* sql :
          {"SELECT * FROM sample ORDER BY trial_id, time_s",
@@ -121,7 +132,7 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
     CHECK(sql_rows(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
 }
 
-TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[sample][law]") {
+TEST_CASE("a range of trials reads these alone, whatever the bounds are") {
     Opened database(demo_file());
     // The damaged trial is an error as soon as it is read.
     DemoCopy damaged;
@@ -148,8 +159,7 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
     }
 }
 
-TEST_CASE("a tick joined with the tick before gives what lag() gives, also of two intervals",
-          "[sample][law]") {
+TEST_CASE("a tick joined with the tick before gives what lag() gives, also of two intervals") {
     DemoCopy database;
     add_interval(database);
     const std::string what = GENERATE("hip_x_m", "rendered_normal_n", "count_1");
@@ -171,8 +181,7 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
 }
 
 TEST_CASE(
-    "a chunk that is gone, or stands in another place, trial, interval or period, is an error",
-    "[sample][law]") {
+    "a chunk that is gone, or stands in another place, trial, interval or period, is an error") {
     DemoCopy database;
     database.execute("PRAGMA foreign_keys = OFF");
     const std::string what = GENERATE("count_1", "hip_x_m", "time_s", "rendered_normal_n");
@@ -202,7 +211,7 @@ TEST_CASE(
     CHECK(error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }
 
-TEST_CASE("sample is never of another database than the one that was named", "[sample][law]") {
+TEST_CASE("sample is never of another database than the one that was named") {
     const TemporaryFolder folder;
     std::filesystem::copy_file(demo_file(), folder.file("other.sqlite"));
     std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
@@ -221,23 +230,7 @@ TEST_CASE("sample is never of another database than the one that was named", "[s
     CHECK_THAT(count(), Has("DETACH b\"c"));
 }
 
-namespace {
-
-/// With every interval short, too.
-std::string brief_text(std::string_view name,
-                       std::vector<std::pair<std::string, std::string>> edits) {
-    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
-                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
-                       "[timing]\nexplore_min_s = 0.5\n");
-    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
-    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
-    return short_text(name, edits);
-}
-
-}  // namespace
-
-TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",
-          "[sample][law]") {
+TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit") {
     const std::string study = GENERATE("curvature_2afc", "friction_threshold", "softness_2afc");
     std::vector<std::pair<std::string, std::string>> edits{
         {"practice_trials = 4", "practice_trials = 1"}};

@@ -15,8 +15,7 @@ struct Wild : SmallSession {
 
 }  // namespace
 
-TEST_CASE("every value of sample is the reader's tick to the bit, arbitrary bits too",
-          "[sample][law]") {
+TEST_CASE("every value of sample is the reader's tick to the bit, arbitrary bits too") {
     Wild wild({1, 255, 256, 257, 5000});
     Opened demo(demo_file());
     std::size_t checked = 0;
@@ -33,7 +32,7 @@ TEST_CASE("every value of sample is the reader's tick to the bit, arbitrary bits
     CHECK(checked > 30000);
 }
 
-TEST_CASE("a column says the same whichever others are asked for with it", "[sample][law]") {
+TEST_CASE("a column says the same whichever others are asked for with it") {
     const bool is_wild = GENERATE(false, true);
     static Wild wild({700, 5000});
     Opened demo(demo_file());
@@ -58,7 +57,7 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
     CHECK(std::ranges::equal(alone, numbered, {}, first, first));
 }
 
-TEST_CASE("no row is lost where a range begins or ends beside a chunk's border", "[sample][law]") {
+TEST_CASE("no row is lost where a range begins or ends beside a chunk's border") {
     Opened database(demo_file());
     const auto all = sql_rows(
         database,
@@ -88,7 +87,7 @@ TEST_CASE("no row is lost where a range begins or ends beside a chunk's border",
     }
 }
 
-TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", "[sample][law]") {
+TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number") {
     DemoCopy database;
     const auto seed = GENERATE(seeds(12U));
     Random random(seed);
@@ -112,8 +111,8 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
 }
 
 TEST_CASE(
-    "what a replay does not give as it was recorded is refused, and what is stored stays readable",
-    "[sample][law]") {
+    "what a replay does not give as it was recorded is refused, and what is stored stays "
+    "readable") {
     DemoCopy database;
     const auto before = sql_rows(
         database,
@@ -138,14 +137,14 @@ TEST_CASE(
                     "trial_id = 6") == before));
 }
 
-TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", "[sample][law]") {
+TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone") {
     DemoCopy database;
     database.execute("DELETE FROM session_provenance WHERE key = 'calibration'");
     CHECK_THAT(error_of(database, "SELECT sum(hip_x_m) FROM sample WHERE trial_id = 6"),
                Has("calibration"));
 }
 
-TEST_CASE("two intervals of a trial come one after the other, or merged by time", "[sample][law]") {
+TEST_CASE("two intervals of a trial come one after the other, or merged by time") {
     DemoCopy database;
     const std::string what = GENERATE("trial_id, interval, tick, hip_vx_m_per_s, rendered_normal_n",
                                       "trial_id, interval, time_s, hip_vy_m_per_s, commanded_x_n");

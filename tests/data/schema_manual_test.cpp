@@ -7,8 +7,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
-TEST_CASE("every column of every table and view has a meaning, and every physical one a unit",
-          "[schema][law]") {
+TEST_CASE("every column of every table and view has a meaning, and every physical one a unit") {
     NewDatabase database;
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
@@ -41,8 +40,7 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
 }
 
 TEST_CASE(
-    "every measure of a trial is a column with its words where its places say, and only there",
-    "[schema][law]") {
+    "every measure of a trial is a column with its words where its places say, and only there") {
     std::size_t generated = 0;
     for (const protocols::Measure& one : protocols::measures()) {
         CAPTURE(std::string(one.column));
@@ -67,8 +65,7 @@ TEST_CASE(
     CHECK(generated > 40);
 }
 
-TEST_CASE("what a file of this palpate holds is known without making one, to the letter",
-          "[schema][law]") {
+TEST_CASE("what a file of this palpate holds is known without making one, to the letter") {
     const auto differences = [](const char* sql) {
         data::Connection file{.file = "memory"};
         sqlite3_open(":memory:", &file.handle);
@@ -91,7 +88,7 @@ TEST_CASE("what a file of this palpate holds is known without making one, to the
     CHECK(differences("SELECT 1").first == held);  // and none is missing
 }
 
-TEST_CASE("every column of sample has a meaning, in the order of the program", "[schema][sample]") {
+TEST_CASE("every column of sample has a meaning, in the order of the program") {
     const auto manual = data::schema_manual(data::sample_declaration());
     REQUIRE(manual.size() == 1);
     CHECK(manual[0].columns.size() ==
@@ -105,7 +102,7 @@ TEST_CASE("every column of sample has a meaning, in the order of the program", "
     }
 }
 
-TEST_CASE("the manual reads comments, literals and expressions of any statement", "[schema]") {
+TEST_CASE("the manual reads comments, literals and expressions of any statement") {
     const auto manual = data::schema_manual(
         "-- CREATE TABLE not (a);\nCREATE TABLE t (\n  -- of the table\n  a_m REAL CHECK (a_m IN "
         "('x,y', '--')), -- first\n  b TEXT -- second,\n    NOT NULL, -- goes on\n  UNIQUE (a_m, "
@@ -128,8 +125,7 @@ TEST_CASE("the manual reads comments, literals and expressions of any statement"
 
 TEST_CASE(
     "the catalogue says of each column its type, whether it may be nothing, its words and who sees "
-    "it",
-    "[schema]") {
+    "it") {
     const auto& kind = *data::find_column("session.session_kind");
     CHECK(kind.type == "TEXT");
     CHECK_FALSE(kind.nullable);

@@ -107,10 +107,63 @@ void check_last_ticks(FeltRun& run) {
     CHECK(faults > 0);
 }
 
+/// An experimenter who marks and pauses while an attempt is felt, now and then.
+class Marking : public Patient {
+public:
+    Marking(std::uint64_t seed, OperatorDesk& desk) : random_(seed), desk_(desk) {}
+
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
+        if (elapsed_s >= 0.1 && !decided_) {
+            decided_ = true;
+            felt = {trial.practice, trial.number, trial.total};
+            if (random_.below(3) == 0) {
+                desk_.mark("a sneeze");
+            }
+            if (random_.below(4) == 0) {
+                desk_.pause();
+            }
+        }
+        return Patient::explore(trial, elapsed_s);
+    }
+    Signal ready(const TrialView& trial) override {
+        decided_ = false;
+        return Patient::ready(trial);
+    }
+    Signal pause(const TrialView& /*next*/) override { return Signal::go_on; }
+    TrialNumber felt{};  ///< as its screen said
+
+private:
+    Random random_;
+    OperatorDesk& desk_;
+    bool decided_ = false;
+};
+
+/// Marks in the first break.
+class InABreak : public Patient {
+public:
+    InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
+    Signal rest(double /*seconds*/, const TrialView& next) override {
+        if (kept.empty()) {
+            desk_.mark();
+            comes = {next.practice, next.number, next.total};
+            kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
+            reply = desk_.take_reply();
+        }
+        return Signal::go_on;
+    }
+    std::string kept;  ///< marks in the database before the break was over
+    TrialNumber comes{};
+    std::optional<MarkReply> reply;
+
+private:
+    Database& database_;
+    OperatorDesk& desk_;
+};
+
 }  // namespace
 
-TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end",
-          "[session][fault][law]") {
+TEST_CASE(
+    "Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end") {
     FeltRun run(held_protocol());
     class Watching : public Acting {
     public:
@@ -137,8 +190,7 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
           "go on after stopped \n");
 }
 
-TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again",
-          "[session][fault][law]") {
+TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again") {
     FeltRun run(held_protocol());
     Acting observer([&] { run.apparatus.hold(false); });
     observer.before_trial = [&] {
@@ -150,8 +202,7 @@ TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is
     CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
 }
 
-TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial",
-          "[session][fault]") {
+TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial") {
     FeltRun run(held_protocol());
     class Headless : public Acting {
     public:
@@ -168,7 +219,7 @@ TEST_CASE("whoever does not hold the key again gets no force at all, trial after
           "let_go 100 \nlet_go 1 \nlet_go 1 \n");
 }
 
-TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault]") {
+TEST_CASE("without a dead-man key nobody has to hold anything") {
     Protocol protocol = held_protocol();
     protocol.safety.dead_man = false;
     FeltRun run(protocol);
@@ -177,8 +228,7 @@ TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault
     CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
 }
 
-TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end",
-          "[session][fault][law]") {
+TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end") {
     class Still : public engine::Device {
     public:
         engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
@@ -216,43 +266,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
           "fault \ntiming \nreconnect \ngo on \ntiming \n");
 }
 
-namespace {
-
-/// An experimenter who marks and pauses while an attempt is felt, now and then.
-class Marking : public Patient {
-public:
-    Marking(std::uint64_t seed, OperatorDesk& desk) : random_(seed), desk_(desk) {}
-
-    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
-        if (elapsed_s >= 0.1 && !decided_) {
-            decided_ = true;
-            felt = {trial.practice, trial.number, trial.total};
-            if (random_.below(3) == 0) {
-                desk_.mark("a sneeze");
-            }
-            if (random_.below(4) == 0) {
-                desk_.pause();
-            }
-        }
-        return Patient::explore(trial, elapsed_s);
-    }
-    Signal ready(const TrialView& trial) override {
-        decided_ = false;
-        return Patient::ready(trial);
-    }
-    Signal pause(const TrialView& /*next*/) override { return Signal::go_on; }
-    TrialNumber felt{};  ///< as its screen said
-
-private:
-    Random random_;
-    OperatorDesk& desk_;
-    bool decided_ = false;
-};
-
-}  // namespace
-
-TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
-          "[session][desk][law]") {
+TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark") {
     SEED(4ULL);
     Protocol protocol = short_protocol();
     protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
@@ -297,33 +311,7 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                 "invalid_reason IS NOT NULL ORDER BY trial_id") == marked);
 }
 
-namespace {
-
-/// Marks in the first break.
-class InABreak : public Patient {
-public:
-    InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
-    Signal rest(double /*seconds*/, const TrialView& next) override {
-        if (kept.empty()) {
-            desk_.mark();
-            comes = {next.practice, next.number, next.total};
-            kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
-            reply = desk_.take_reply();
-        }
-        return Signal::go_on;
-    }
-    std::string kept;  ///< marks in the database before the break was over
-    TrialNumber comes{};
-    std::optional<MarkReply> reply;
-
-private:
-    Database& database_;
-    OperatorDesk& desk_;
-};
-
-}  // namespace
-
-TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk][law]") {
+TEST_CASE("a mark in a break is kept and answered in the break") {
     SmallSession session(short_protocol());
     Database& database = session.database;
     World world;

@@ -28,9 +28,21 @@ std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spe
     return opened.id;
 }
 
+std::string outcomes(Database& database) {
+    auto row = database.first(
+        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
+    return row.text(0) + ", events " + row.text(1);
+}
+
+/// From its first trial on a session is what it was begun as.
+void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
+    data::SqliteRecorder recorder(database, spec.protocol, session);
+    static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
+}
+
 }  // namespace
 
-TEST_CASE("the whole plan is stored before the first trial, as it was made", "[store][law]") {
+TEST_CASE("the whole plan is stored before the first trial, as it was made") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol(4));
     const auto opened = data::open_session(database, spec);
@@ -56,8 +68,7 @@ TEST_CASE("the whole plan is stored before the first trial, as it was made", "[s
     CHECK(hash.text(1) == std::to_string(spec.seed));
 }
 
-TEST_CASE("a session goes on at the first position without an answer, other attempts stay",
-          "[store][law]") {
+TEST_CASE("a session goes on at the first position without an answer, other attempts stay") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol());
     const std::int64_t session = answer_two_and_die(database, spec);
@@ -81,8 +92,7 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
     CHECK(count(database, "analysis_trial WHERE counts") == 3);
 }
 
-TEST_CASE("a session goes on only with what it was begun with, and nothing changes otherwise",
-          "[store][law]") {
+TEST_CASE("a session goes on only with what it was begun with, and nothing changes otherwise") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol());
     const auto id = data::open_session(database, spec).id;
@@ -113,8 +123,7 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
 }
 
 TEST_CASE(
-    "a session goes on with the board that its last trial was felt on, or where that is meant",
-    "[store][law]") {
+    "a session goes on with the board that its last trial was felt on, or where that is meant") {
     NewDatabase database;
     auto spec = session_spec(small_protocol());
     const auto board = [&](const std::string& said) -> data::SessionSpec& {
@@ -144,8 +153,7 @@ TEST_CASE(
     CHECK_NOTHROW(data::open_session(database, board("")));  // before it is opened nobody knows
 }
 
-TEST_CASE("whatever a session goes on with and without, the last word of each key is what holds",
-          "[store][verify][law]") {
+TEST_CASE("whatever a session goes on with and without, the last word of each key is what holds") {
     SEEDED(random, std::uint64_t{30});
     NewDatabase database;
     data::SessionSpec spec = session_spec(small_protocol(4));
@@ -183,8 +191,7 @@ TEST_CASE("whatever a session goes on with and without, the last word of each ke
     CHECK(database.first("SELECT count(*) FROM event WHERE key = 'rig check'").integer(0) == 8);
 }
 
-TEST_CASE("a report names each program and limit of force that held for a trial, and no other",
-          "[store][report][law]") {
+TEST_CASE("a report names each program and limit of force that held for a trial, and no other") {
     NewDatabase database;
     data::SessionSpec spec = session_spec(small_protocol(4));
     const auto runs = [&](const std::string& build, const std::string& limit, std::size_t trials) {
@@ -211,7 +218,7 @@ TEST_CASE("a report names each program and limit of force that held for a trial,
     CHECK_THAT(page, !Has("build-0") && !Has("build-2"));
 }
 
-TEST_CASE("sessions of a participant are found by number", "[store]") {
+TEST_CASE("sessions of a participant are found by number") {
     NewDatabase database;
     CHECK_FALSE(data::find_session(database, "small", "P01").has_value());
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 1)));
@@ -224,24 +231,7 @@ TEST_CASE("sessions of a participant are found by number", "[store]") {
     CHECK(count(database, "study") == 1);
 }
 
-namespace {
-
-std::string outcomes(Database& database) {
-    auto row = database.first(
-        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
-    return row.text(0) + ", events " + row.text(1);
-}
-
-/// From its first trial on a session is what it was begun as.
-void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
-    data::SqliteRecorder recorder(database, spec.protocol, session);
-    static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
-}
-
-}  // namespace
-
-TEST_CASE("a session that somebody runs is refused, and its running trial goes on running",
-          "[store][law]") {
+TEST_CASE("a session that somebody runs is refused, and its running trial goes on running") {
     const TemporaryFile file("a.sqlite");
     Database rig(file, Access::write);
     const auto spec = session_spec(small_protocol());
@@ -265,8 +255,7 @@ TEST_CASE("a session that somebody runs is refused, and its running trial goes o
     CHECK(outcomes(rig) == "complete, events 0");
 }
 
-TEST_CASE("an opened session has its writer from before it can be seen until it is let go",
-          "[store][law]") {
+TEST_CASE("an opened session has its writer from before it can be seen until it is let go") {
     const TemporaryFile file("a.sqlite");
     Database first(file, Access::write);
     Database second(file, Access::write);
@@ -282,7 +271,7 @@ TEST_CASE("an opened session has its writer from before it can be seen until it 
     CHECK(outcomes(first) == ", events 0");
 }
 
-TEST_CASE("a session that cannot go on is let go", "[store][law]") {
+TEST_CASE("a session that cannot go on is let go") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol());
     const std::int64_t session = data::open_session(database, spec).id;
@@ -296,8 +285,7 @@ TEST_CASE("a session that cannot go on is let go", "[store][law]") {
 // A plan's hash tells its seed, so a plan that was made from another seed is refused by its hash.
 // What is refused here is a caller who gives the plan of one seed and the hand and answers of
 // another.
-TEST_CASE("a session goes on only with its own seed, also when the order is the same",
-          "[store][law]") {
+TEST_CASE("a session goes on only with its own seed, also when the order is the same") {
     NewDatabase database;
     const auto spec = session_spec(small_protocol());
     begin(database, spec, data::open_session(database, spec).id);

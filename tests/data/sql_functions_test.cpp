@@ -68,7 +68,7 @@ double phi(double z) {
 }  // namespace
 
 // R. G. Newcombe, Statistics in Medicine 17:857 (1998), table I: methods 3 (score) and 5 (exact).
-TEST_CASE("intervals of shares are those of Newcombe's table", "[sql][functions]") {
+TEST_CASE("intervals of shares are those of Newcombe's table") {
     struct Interval {
         int k;
         int n;
@@ -89,8 +89,8 @@ TEST_CASE("intervals of shares are those of Newcombe's table", "[sql][functions]
     CHECK(value("clopper_pearson_high") == Approx(row.exact_high).margin(5.1e-5));
 }
 
-TEST_CASE("at the ends of an exact interval the binomial tails are what is left of the confidence",
-          "[sql][functions][law]") {
+TEST_CASE(
+    "at the ends of an exact interval the binomial tails are what is left of the confidence") {
     const auto seed = GENERATE(seeds(200U));
     Random random(seed);
     const int n = 1 + random.below(80);
@@ -106,8 +106,7 @@ TEST_CASE("at the ends of an exact interval the binomial tails are what is left 
                Approx(tail).epsilon(1e-10)));
 }
 
-TEST_CASE("d' gives back the share that it came from, by closed forms for two and three",
-          "[sql][functions][law]") {
+TEST_CASE("d' gives back the share that it came from, by closed forms for two and three") {
     const auto seed = GENERATE(seeds(40U));
     Random random(seed);
     const double d = random.in(-1.0, 4.0);
@@ -125,7 +124,7 @@ TEST_CASE("d' gives back the share that it came from, by closed forms for two an
     CHECK(data::share_correct(0.0, m) == Approx(1.0 / m).epsilon(1e-13));
 }
 
-TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[sql][functions]") {
+TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL") {
     Asked asked;
     CHECK_THAT(asked.error("SELECT wilson_low(5, 3)"), Has("0 <= k <= n"));
     CHECK_THAT(asked.error("SELECT clopper_pearson_high(1, 2.5)"), Has("whole"));
@@ -156,7 +155,7 @@ TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[s
           Approx(std::numbers::sqrt2 * asked.real("SELECT probit(0.95)")).epsilon(1e-12));
 }
 
-TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][functions][law]") {
+TEST_CASE("aggregates are those of sorted and added-up numbers") {
     const auto seed = GENERATE(seeds(60U));
     Random random(seed);
     Asked asked;
@@ -199,8 +198,7 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
     CHECK(ask("share(column1 > 4)") == Approx(above / n).epsilon(1e-14));
 }
 
-TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group",
-          "[sql][functions][law]") {
+TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group") {
     const auto seed = GENERATE(seeds(25U));
     Random random(seed);
     const int before = random.below(6);
@@ -240,8 +238,7 @@ TEST_CASE("over any window a function says to the bit what the rows of its frame
     }
 }
 
-TEST_CASE("information is log2 of what is distinguished, none where answers ignore the object",
-          "[sql][functions]") {
+TEST_CASE("information is log2 of what is distinguished, none where answers ignore the object") {
     Asked asked;
     const auto five =
         std::string("(VALUES ('a','a',7), ('b','b',7), ('c','c',7), ('d','d',7), ('e','e',7))");
@@ -277,7 +274,7 @@ TEST_CASE("information is log2 of what is distinguished, none where answers igno
                      "(1,1,1), (1,0,1))"));
 }
 
-TEST_CASE("a file without ticks' table has no samples, and says so", "[sample]") {
+TEST_CASE("a file without ticks' table has no samples, and says so") {
     NewDatabase database;
     database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
     REQUIRE(data::add_extension(database.handle()) == 0);

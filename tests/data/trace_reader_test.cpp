@@ -5,8 +5,7 @@
 using namespace palpate::data;
 
 // An independent reader of the stored bytes: what README gives to analysts.
-TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded",
-          "[trace][law]") {
+TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded") {
     if (!installed("python3 with sqlite3 and zlib", {"python3", "-c", "import sqlite3, zlib"})) {
         return;
     }
@@ -79,8 +78,7 @@ std::string missing(std::int64_t first, std::int64_t last) {
 
 }  // namespace
 
-TEST_CASE("a trace without its tail is refused, and what is stored of it can still be had",
-          "[trace][law]") {
+TEST_CASE("a trace without its tail is refused, and what is stored of it can still be had") {
     constexpr std::int64_t kTicks = 9000;
     const std::int64_t kept = GENERATE(0, 2048, 8192);  // whole chunks
     CAPTURE(kept);
@@ -94,7 +92,7 @@ TEST_CASE("a trace without its tail is refused, and what is stored of it can sti
           static_cast<std::size_t>(kept));
 }
 
-TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[trace][law]") {
+TEST_CASE("a trace with a hole is refused wherever the hole is, and named") {
     const auto seed = GENERATE(seeds(std::uint64_t{10}));
     Random random(seed);
     constexpr int kTicks = 5000;
@@ -107,7 +105,7 @@ TEST_CASE("a trace with a hole is refused wherever the hole is, and named", "[tr
     CHECK(data::TraceReader(rig.database).stored(rig.trial).size() == ticks.size());
 }
 
-TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
+TEST_CASE("a trace that goes back in time is refused") {
     auto ticks = random_ticks(1, 200);
     const auto again = random_ticks(2, 100, 150);
     ticks.insert(ticks.end(), again.begin(), again.end());
@@ -116,7 +114,7 @@ TEST_CASE("a trace that goes back in time is refused", "[trace][law]") {
                       Has("tick 150 follows tick 199"));
 }
 
-TEST_CASE("a trial that is not there has no trace, not an empty one", "[trace][law]") {
+TEST_CASE("a trial that is not there has no trace, not an empty one") {
     Recorded rig(random_ticks(1, 10), 10);
     for (const std::int64_t trial : {rig.trial + 1, std::int64_t{0}, std::int64_t{-1}}) {
         const std::string says = "there is no trial " + std::to_string(trial);

@@ -7,8 +7,8 @@
 
 using namespace palpate::engine;
 
-TEST_CASE("every point of a rational quadratic arc lies on its circle, with the circle's curvature",
-          "[geometry]") {
+TEST_CASE(
+    "every point of a rational quadratic arc lies on its circle, with the circle's curvature") {
     SEEDED(random, std::uint64_t{500});
     const Vec2 from = random.point(-0.1, 0.1);
     const Vec2 to = random.point(-0.1, 0.1);
@@ -31,7 +31,7 @@ TEST_CASE("every point of a rational quadratic arc lies on its circle, with the 
     CHECK(bend <= 1e-11);
 }
 
-TEST_CASE("what is not a curve is refused with the value and the remedy", "[geometry]") {
+TEST_CASE("what is not a curve is refused with the value and the remedy") {
     const Vec2 a{0.0, 0.0};
     const Vec2 b{0.1, 0.0};
     CHECK_THROWS_WITH(make_line(a, a), Has("apart"));
@@ -88,7 +88,7 @@ RationalBezier<2> raised(const RationalBezier<2>& span) {
 
 }  // namespace
 
-TEST_CASE("an arc in closed form is the rational quadratic, point and tangent", "[geometry][law]") {
+TEST_CASE("an arc in closed form is the rational quadratic, point and tangent") {
     SEEDED(random, std::uint64_t{2000});
     const RandomArc one = random_arc(random);
     const auto arc = Arc::of(one.span);
@@ -101,7 +101,7 @@ TEST_CASE("an arc in closed form is the rational quadratic, point and tangent", 
     CHECK(std::fabs(glm::length(at.tangent) - 1.0) <= 4e-14);
 }
 
-TEST_CASE("what is no arc is none", "[geometry]") {
+TEST_CASE("what is no arc is none") {
     const Vec2 a{-0.03, 0.01};
     const Vec2 b{0.02, 0.04};
     const RationalBezier<2> arc = make_arc(a, b, 12.0);
@@ -119,7 +119,7 @@ TEST_CASE("what is no arc is none", "[geometry]") {
     CHECK_FALSE(Arc::of(raised(arc)));
 }
 
-TEST_CASE("the foot on an arc lies towards the centre, at the radius", "[geometry][law]") {
+TEST_CASE("the foot on an arc lies towards the centre, at the radius") {
     SEEDED(random, std::uint64_t{2000});
     const RandomArc one = random_arc(random);
     const Arc arc = *Arc::of(one.span);
@@ -140,7 +140,7 @@ TEST_CASE("the foot on an arc lies towards the centre, at the radius", "[geometr
     }
 }
 
-TEST_CASE("the cone's form of an arc is W times what it says", "[geometry][law]") {
+TEST_CASE("the cone's form of an arc is W times what it says") {
     SEEDED(random, std::uint64_t{2000});
     const RandomArc one = random_arc(random);
     const Arc arc = *Arc::of(one.span);
@@ -158,7 +158,7 @@ TEST_CASE("the cone's form of an arc is W times what it says", "[geometry][law]"
     CHECK(std::fabs(arc.excess(h, mu, dir).value(2.0 * u - 1.0) - expected) <= 1e-15);
 }
 
-TEST_CASE("arcs are felt as the same curves without a closed form are", "[rendering][law]") {
+TEST_CASE("arcs are felt as the same curves without a closed form are") {
     SEEDED(random, std::uint64_t{60});
     const Vec2 tip{random.in(-0.01, 0.01), random.in(-0.02, 0.02)};
     const std::vector<RationalBezier<2>> arcs{

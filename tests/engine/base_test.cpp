@@ -8,7 +8,7 @@
 
 // Expected: test-high/expected/check-pcg32.out of the library pcg-c, seed 42, stream 54, round 1.
 // The words are printed, stepped back over and printed again; coins, rolls and cards follow them.
-TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does", "[random]") {
+TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does") {
     Pcg32 random(42, 54);
     for (const std::uint32_t word :
          {0xa15c02b7U, 0x7b47f409U, 0xba1d3330U, 0x83d2f293U, 0xbfa4784bU, 0xcbed606eU}) {
@@ -41,7 +41,7 @@ TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does", "[random]") {
           "Qh 9h 6s 5s 2c 9c Ts 8d 9s 3c 8c Js 5d 2h 6h 7d 8s 9d 5h 8h Qc 7c Tc ");
 }
 
-TEST_CASE("a bounded draw is below its bound, and every value comes", "[random][law]") {
+TEST_CASE("a bounded draw is below its bound, and every value comes") {
     Pcg32 random(7, 11);
     for (const std::uint32_t bound : {1U, 2U, 3U, 5U, 6U, 10U, 52U, 100U}) {
         std::vector<int> seen(bound, 0);
@@ -62,8 +62,7 @@ TEST_CASE("a bounded draw is below its bound, and every value comes", "[random][
     }
 }
 
-TEST_CASE("a shuffle is a permutation, and nothing and one thing stay as they are",
-          "[random][law]") {
+TEST_CASE("a shuffle is a permutation, and nothing and one thing stay as they are") {
     const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
     Pcg32 random(seed, 1);
     std::vector<std::size_t> items(static_cast<std::size_t>(seed));
@@ -73,8 +72,7 @@ TEST_CASE("a shuffle is a permutation, and nothing and one thing stay as they ar
     CHECK(std::is_permutation(items.begin(), items.end(), shuffled.begin(), shuffled.end()));
 }
 
-TEST_CASE("processors are those that a thread may use, not those of the machine",
-          "[side-by-side]") {
+TEST_CASE("processors are those that a thread may use, not those of the machine") {
     std::vector<std::size_t> found;  // before and after the thread is kept to one
     std::thread([&found] {
         found.push_back(usable_processors());
@@ -88,8 +86,7 @@ TEST_CASE("processors are those that a thread may use, not those of the machine"
     CHECK(usable_processors() == found.front());
 }
 
-TEST_CASE("each task is done once before anybody has waited for it, with any number of cores",
-          "[side-by-side][law]") {
+TEST_CASE("each task is done once before anybody has waited for it, with any number of cores") {
     SEEDED(random, std::uint64_t{40});
     const auto cores = static_cast<std::size_t>(1 + random.below(4));
     const auto count = static_cast<std::size_t>(1 + random.below(60));
@@ -111,8 +108,7 @@ TEST_CASE("each task is done once before anybody has waited for it, with any num
     }
 }
 
-TEST_CASE("what a task throws comes to who waits for it, once, and harms no other",
-          "[side-by-side][law]") {
+TEST_CASE("what a task throws comes to who waits for it, once, and harms no other") {
     const auto cores = GENERATE(std::size_t{1}, std::size_t{3});
     SideBySide work(cores);
     std::atomic<int> done = 0;
@@ -133,7 +129,7 @@ TEST_CASE("what a task throws comes to who waits for it, once, and harms no othe
     CHECK(done == 20);
 }
 
-TEST_CASE("who ends early waits for what is under way, and for nothing else", "[side-by-side]") {
+TEST_CASE("who ends early waits for what is under way, and for nothing else") {
     std::atomic<int> begun = 0;
     std::atomic<int> ended = 0;
     {
@@ -150,7 +146,7 @@ TEST_CASE("who ends early waits for what is under way, and for nothing else", "[
     CHECK(begun >= 1);
 }
 
-TEST_CASE("one of something has no s, none and several have", "[words][law]") {
+TEST_CASE("one of something has no s, none and several have") {
     CHECK(counted(0, "trial") == "0 trials");
     CHECK(counted(1U, "trial") == "1 trial");
     CHECK(counted(-1, "trial") == "-1 trials");

@@ -41,7 +41,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("while the hand stays near a smooth outline hardly any tick searches", "[contact]") {
+TEST_CASE("while the hand stays near a smooth outline hardly any tick searches") {
     EACH(kappa, -20.0, 0.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     const CertifiedTracker tracker(*outline);
@@ -56,8 +56,7 @@ TEST_CASE("while the hand stays near a smooth outline hardly any tick searches",
     CHECK(state.searched < 80);
 }
 
-TEST_CASE("a cusp inside a curve is a vertex that turns by pi, and nothing near it is missed",
-          "[geometry][contact]") {
+TEST_CASE("a cusp inside a curve is a vertex that turns by pi, and nothing near it is missed") {
     // C'(1/2) = 3/4 (P3 + P2 - P1 - P0) = 0: the control legs cross.
     const std::vector<Vec2> points{Vec2{0.0, 0.0}, Vec2{0.08, 0.08}, Vec2{0.0, 0.08},
                                    Vec2{0.08, 0.0}};
@@ -75,8 +74,7 @@ TEST_CASE("a cusp inside a curve is a vertex that turns by pi, and nothing near 
     CHECK_FALSE(above.inside);
 }
 
-TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its parameter",
-          "[geometry]") {
+TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its parameter") {
     const std::vector<Vec2> points{Vec2{-0.05, 0.0}, Vec2{-0.03, 0.03}, Vec2{0.0, 0.035},
                                    Vec2{0.03, 0.03}, Vec2{0.05, 0.0}};
     const NurbsCurve<2> curve(3, {0, 0, 0, 0, 2.5, 4, 4, 4, 4}, points);
@@ -88,7 +86,7 @@ TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its p
     CHECK(glm::length(chain.spans()[1].at(0.5).point - curve.at(3.25).point) < 1e-16);
 }
 
-TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[rendering][law]") {
+TEST_CASE("out of reach a tick computes nothing, and no touch comes late") {
     SEEDED(random, 20U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
@@ -112,7 +110,7 @@ TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[ren
     CHECK(b.skipped == 0);
 }
 
-TEST_CASE("a press into a flat face at 0.1 m/s feels K d + B v", "[rendering]") {
+TEST_CASE("a press into a flat face at 0.1 m/s feels K d + B v") {
     const Scene flat(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.damping = 0.4});
     ContactState pressed;
     static_cast<void>(flat.tick(pressed, {0.0, 0.0}));
@@ -122,7 +120,7 @@ TEST_CASE("a press into a flat face at 0.1 m/s feels K d + B v", "[rendering]") 
     }
 }
 
-TEST_CASE("the closest point of an arc is the one of its circle, to rounding", "[contact]") {
+TEST_CASE("the closest point of an arc is the one of its circle, to rounding") {
     double worst = 0.0;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         Random random(seed);
@@ -142,7 +140,7 @@ TEST_CASE("the closest point of an arc is the one of its circle, to rounding", "
     CHECK(worst <= 1e-14);
 }
 
-TEST_CASE("at the centre of curvature every foot is as good, and one is found", "[contact]") {
+TEST_CASE("at the centre of curvature every foot is as good, and one is found") {
     SEEDED(random, std::uint64_t{300});
     const Vec2 from = random.point(-0.1, 0.1);
     const Vec2 to = random.point(-0.1, 0.1);
@@ -154,7 +152,7 @@ TEST_CASE("at the centre of curvature every foot is as good, and one is found", 
           1e-11);
 }
 
-TEST_CASE("the closest feature of a two-curve object agrees with circles and lines", "[contact]") {
+TEST_CASE("the closest feature of a two-curve object agrees with circles and lines") {
     EACH(kappa, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     const stimuli::TwoCurve object{.curvature = kappa};
     const auto outline = stimuli::make_outline(object);
@@ -188,8 +186,7 @@ TEST_CASE("the closest feature of a two-curve object agrees with circles and lin
     }
 }
 
-TEST_CASE("outside a convex vertex the closest feature is the vertex, with the fan angle of HIP",
-          "[contact]") {
+TEST_CASE("outside a convex vertex the closest feature is the vertex, with the fan angle of HIP") {
     const auto outline = stimuli::make_outline({});
     const OutlineFeet feet(*outline);
     for (int i = 1; i < 90; ++i) {
@@ -204,7 +201,7 @@ TEST_CASE("outside a convex vertex the closest feature is the vertex, with the f
     }
 }
 
-TEST_CASE("a concave vertex is the closest feature of a fan inside the object", "[contact]") {
+TEST_CASE("a concave vertex is the closest feature of a fan inside the object") {
     const Outline chain({make_line({-1.0, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, {0.0, 1.0})},
                         false);
     const OutlineFeet feet(chain);

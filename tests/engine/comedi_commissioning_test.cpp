@@ -59,8 +59,7 @@ CommissioningResult commissioned_on_card(RigOnCard& rig) {
 
 }  // namespace
 
-TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found and named",
-          "[device][comedi][commissioning][law]") {
+TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found and named") {
     for (const Connection& wrong : all_connections()) {
         if (std::fabs(wrong.factor[0]) != 1.0 || std::fabs(wrong.factor[1]) != 1.0) {
             continue;  // how strong a motor is no wire tells: commissioning_test.cpp

@@ -31,8 +31,7 @@ Vec2 somewhere(Random& random) {
 
 }  // namespace
 
-TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both directions",
-          "[device][comedi][law]") {
+TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both directions") {
     SEEDED(random, std::uint64_t{60});
     Calibration how = daq_calibration();
     how.comedi->counter_clockwise = {random.coin(), random.coin()};
@@ -59,7 +58,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
     }
 }
 
-TEST_CASE("without a home the counters' own values count, as signed numbers", "[device][comedi]") {
+TEST_CASE("without a home the counters' own values count, as signed numbers") {
     Calibration how = daq_calibration();
     how.home.reset();
     how.comedi->counter_clockwise = {false, false};
@@ -71,8 +70,7 @@ TEST_CASE("without a home the counters' own values count, as signed numbers", "[
     CHECK(plug(bench, how)->read().counts == there);
 }
 
-TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half a code",
-          "[device][comedi][law]") {
+TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half a code") {
     SEEDED(random, std::uint64_t{300});
     const Calibration how = daq_calibration();
     DaqBench bench;
@@ -116,7 +114,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
     }
 }
 
-TEST_CASE("zero volts is the middle of the range and never code 0", "[device][comedi]") {
+TEST_CASE("zero volts is the middle of the range and never code 0") {
     DaqBench bench;
     {
         const auto device = plug(bench);
@@ -128,8 +126,7 @@ TEST_CASE("zero volts is the middle of the range and never code 0", "[device][co
     CHECK(bench.code[0] == 1000);
 }
 
-TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts",
-          "[device][comedi][law]") {
+TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts") {
     DaqBench bench;
     const auto device = plug(bench);
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -150,8 +147,7 @@ TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts
     CHECK(std::fabs(volts_of(bench, 1)) <= 8.0 * two.torque_limit + 1e-3);
 }
 
-TEST_CASE("zero volts is the last thing written, whichever call fails and however it ends",
-          "[device][comedi][fault][law]") {
+TEST_CASE("zero volts is the last thing written, whichever call fails and however it ends") {
     SEEDED(random, std::uint64_t{300});
     const Calibration how = daq_calibration();
     DaqBench bench;
@@ -190,7 +186,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     CHECK_FALSE(bench.is_open);
 }
 
-TEST_CASE("zero is never said of a card that does not take it", "[device][comedi][fault][law]") {
+TEST_CASE("zero is never said of a card that does not take it") {
     const int failing = GENERATE(0, 1, 2);  // of the two writes; 2: neither
     const Calibration how = daq_calibration();
     DaqBench bench;
@@ -203,8 +199,7 @@ TEST_CASE("zero is never said of a card that does not take it", "[device][comedi
     CHECK(device->read().ok() == (failing == 2));
 }
 
-TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops the force",
-          "[device][comedi][fault]") {
+TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops the force") {
     for (const std::uint32_t value : {0x600000U, 0x1000000U}) {
         DaqBench bench;
         const auto device = plug(bench);
@@ -217,8 +212,7 @@ TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops 
     }
 }
 
-TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself",
-          "[device][comedi][fault]") {
+TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself") {
     DaqBench bench;
     const auto device = plug(bench);
     static_cast<void>(device->read());
@@ -238,8 +232,7 @@ TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself"
     CHECK(device->trouble().empty());
 }
 
-TEST_CASE("a card that stays away is asked again, and says each time what is wrong",
-          "[device][comedi][fault]") {
+TEST_CASE("a card that stays away is asked again, and says each time what is wrong") {
     DaqBench bench;
     const auto device = plug(bench);
     bench.failing_call = bench.calls;
@@ -263,8 +256,7 @@ TEST_CASE("a card that stays away is asked again, and says each time what is wro
     CHECK(bench.opened == 5);
 }
 
-TEST_CASE("a card or a calibration that does not fit is refused with the remedy, at zero volts",
-          "[device][comedi]") {
+TEST_CASE("a card or a calibration that does not fit is refused with the remedy, at zero volts") {
     const auto said = [](DaqBench& bench, const Calibration& how) {
         const std::string why = refusal_of<std::exception>([&] { return plug(bench, how); });
         CHECK_FALSE(bench.is_open);
@@ -295,8 +287,7 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
     CHECK_THAT(said(bench, how), Has("[comedi]"));
 }
 
-TEST_CASE("a card that is not there is a sentence, also in a build without Comedi",
-          "[device][comedi]") {
+TEST_CASE("a card that is not there is a sentence, also in a build without Comedi") {
     CHECK_THROWS_WITH(open_comedi("/nowhere/comedi0", daq_calibration()),
                       Has("/nowhere/comedi0: ") || Has("install libcomedi-dev and build again"));
 }

@@ -51,8 +51,8 @@ ShortForm proved_again(const PlantModel& plant, MiswiredMachine& device, const R
 
 }  // namespace
 
-TEST_CASE("every wrong connection of two encoders is found and named, and no motor turns meanwhile",
-          "[commissioning][law]") {
+TEST_CASE(
+    "every wrong connection of two encoders is found and named, and no motor turns meanwhile") {
     const PlantModel plant = plant_of("gen3");
     for (const Connection& encoders : all_connections()) {
         CAPTURE(encoders.swapped, encoders.factor[0], encoders.factor[1]);
@@ -73,8 +73,7 @@ TEST_CASE("every wrong connection of two encoders is found and named, and no mot
 
 TEST_CASE(
     "every wrong connection of two motors is found and named, by 0.3 N at most, and the right one "
-    "passes with its numbers",
-    "[commissioning][law]") {
+    "passes with its numbers") {
     const PlantModel plant = plant_of("gen3");
     for (const Connection& motors : all_connections()) {
         CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
@@ -128,8 +127,7 @@ PlantModel some_plant(unsigned seed) {
 
 TEST_CASE(
     "right machines of many kinds pass, their friction in joints or at the handle found to a "
-    "tenth, and the same twice as strong or half do not",
-    "[commissioning][law]") {
+    "tenth, and the same twice as strong or half do not") {
     SEED(4U);
     const PlantModel plant = some_plant(seed);
     const CommissioningResult right = commissioned(plant);
@@ -148,8 +146,7 @@ TEST_CASE(
                                              : "motor 1 is too strong, motor 2"));
 }
 
-TEST_CASE("a motion that mass and friction do not explain blames no motor",
-          "[commissioning][law]") {
+TEST_CASE("a motion that mass and friction do not explain blames no motor") {
     const auto [cable, seed] =  // N/m: dry friction holds the handle
         GENERATE(table<double, unsigned>({{2.0, 1U}, {4.0, 5U}, {3.0, 11U}}));
     CAPTURE(cable, seed);
@@ -165,8 +162,7 @@ TEST_CASE("a motion that mass and friction do not explain blames no motor",
 }
 
 TEST_CASE(
-    "a drag that grows with the square of the speed blames no motor, and air's changes nothing",
-    "[commissioning][law]") {
+    "a drag that grows with the square of the speed blames no motor, and air's changes nothing") {
     EACH(drag, 0.01, 5.0, 100.0);  // N s^2/m^2: ten times air's, water's, oil's
     EACH(seed, take(cases(std::size_t{2}), values({3U, 5U})));
     const PlantModel plant = some_plant(seed);
@@ -182,8 +178,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
-    "[commissioning][law]") {
+    "the short form finds each motor a quarter weaker or stronger, and is not misled by friction") {
     SEED(3U);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant).record;
@@ -209,8 +204,7 @@ TEST_CASE(
     CHECK_THAT(opened({0.75, 0.75}, 1.0), Has("motor 1 gives 0.7", "wire of the motor loose"));
 }
 
-TEST_CASE("the short form passes the rig that was commissioned, and no other",
-          "[commissioning][law]") {
+TEST_CASE("the short form passes the rig that was commissioned, and no other") {
     const PlantModel plant = plant_of("gen3");
     const RigRecord record = commissioned(plant).record;
     const auto opened = [&](const PlantModel& now, const Connection& motors) {
@@ -228,8 +222,7 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     CHECK_THAT(opened(held, {}).refused, Has("is somebody holding it"));
 }
 
-TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no stronger motor",
-          "[commissioning][safety][law]") {
+TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no stronger motor") {
     SEED(2U);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant).record;
@@ -245,8 +238,7 @@ TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no
     }
 }
 
-TEST_CASE("a pulse in which four ticks came late is given again, and at last refused as late",
-          "[commissioning][law]") {
+TEST_CASE("a pulse in which four ticks came late is given again, and at last refused as late") {
     MiswiredMachine device(plant_of("gen3"), {}, {});
     device.bring(kHome);
     int pulses = 0;
@@ -272,8 +264,8 @@ TEST_CASE("a pulse in which four ticks came late is given again, and at last ref
     CHECK(pulses == (late <= 3 ? 1 : std::min(spoilt, 12) + 1));
 }
 
-TEST_CASE("a device that was opened anew at a mark, and took it for home, is said to have done so",
-          "[commissioning]") {
+TEST_CASE(
+    "a device that was opened anew at a mark, and took it for home, is said to have done so") {
     EACH(at, 1, 2, 3);  // both marks, then a place of pulses
     const PlantModel plant = plant_of("gen3");
     const Calibration machine{.pantograph = plant.machine};
@@ -293,7 +285,7 @@ TEST_CASE("a device that was opened anew at a mark, and took it for home, is sai
                Has("was opened anew while the handle was at (", "it took that for home"));
 }
 
-TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioning]") {
+TEST_CASE("marks that do not tell the encoders apart are refused") {
     const PlantModel plant = plant_of("gen3");
     CHECK(separation(plant.machine, commissioning_places(plant.machine, kHome)) > 2.0 * kPlaced);
     MiswiredMachine device(plant, {}, {});
@@ -303,8 +295,7 @@ TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioni
                       Has("do not tell how the encoders are connected"));
 }
 
-TEST_CASE("of the marks of a commissioning the one that tells more alone is kept for openings",
-          "[commissioning][law]") {
+TEST_CASE("of the marks of a commissioning the one that tells more alone is kept for openings") {
     for (const char* name : {"gen3", "gen2", "haplet"}) {
         const Calibration machine{.pantograph = plant_of(name).machine};
         const Pantograph linkage(machine.pantograph);

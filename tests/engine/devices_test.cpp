@@ -5,7 +5,7 @@
 
 using namespace palpate::engine;
 
-TEST_CASE("a pointer is read where it was published, to 5 nm", "[device][law]") {
+TEST_CASE("a pointer is read where it was published, to 5 nm") {
     PointerDevice device;
     Random random(1);
     for (int i = 0; i < 1000; ++i) {
@@ -16,7 +16,7 @@ TEST_CASE("a pointer is read where it was published, to 5 nm", "[device][law]") 
     CHECK(device.read().ok());
 }
 
-TEST_CASE("a pointer read while it moves is never half old and half new", "[device][law]") {
+TEST_CASE("a pointer read while it moves is never half old and half new") {
     PointerDevice device;
     std::atomic<bool> stop{false};
     std::thread window([&] {
@@ -33,7 +33,7 @@ TEST_CASE("a pointer read while it moves is never half old and half new", "[devi
     window.join();
 }
 
-TEST_CASE("a replay gives back the readings, then rests", "[device]") {
+TEST_CASE("a replay gives back the readings, then rests") {
     ReplayDevice device;
     CHECK_FALSE(device.read().ok());
     device.begin({{.hip = {1.0, 0.0, 0.0}}, {.hip = {2.0, 0.0, 0.0}, .counts = {3, 4}}});

@@ -1,27 +1,22 @@
 #include "tests/support/law_cases.hpp"
+#include "tests/support/runge_kutta.hpp"
 
 using namespace palpate::engine;
 
 namespace {
 
-/// One tick of dz/ds = rate(z, sgn) over the travel, by many steps of the classical Runge-Kutta
-/// rule.
+/// One tick of dz/ds = rate(z) over the travel, in many steps.
 double finely(double z, double travel, int steps, const std::function<double(double)>& rate) {
-    const double h = std::fabs(travel) / steps;
     for (int i = 0; i < steps; ++i) {
-        const double a = rate(z);
-        const double b = rate(z + 0.5 * h * a);
-        const double d = rate(z + 0.5 * h * b);
-        const double e = rate(z + h * d);
-        z += h / 6.0 * (a + 2.0 * b + 2.0 * d + e);
+        z = tests::runge_kutta(z, std::fabs(travel) / steps,
+                               [&](double now, double /*s*/) { return rate(now); });
     }
     return z;
 }
 
 }  // namespace
 
-TEST_CASE("Dahl's law is its differential equation, solved finely, for every exponent",
-          "[friction][law]") {
+TEST_CASE("Dahl's law is its differential equation, solved finely, for every exponent") {
     SEEDED(random, 30U);
     tests::LawCase c = tests::random_law_case(law_named("dahl"), random);
     c.spec.exponent = seed % 3 == 0 ? 1.0 : random.in(1.0, 3.0);
@@ -42,7 +37,7 @@ TEST_CASE("Dahl's law is its differential equation, solved finely, for every exp
         1e-9);
 }
 
-TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[friction][law]") {
+TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way") {
     // From rest under constant load: f / f_c = 1 - (1 - (1 - alpha) sigma x / f_c)^(1 / (1 -
     // alpha)).
     EACH(alpha, 0.0, 0.3, 0.5, 0.9);
@@ -56,7 +51,7 @@ TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[fr
     }
 }
 
-TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[friction][law]") {
+TEST_CASE("LuGre's exact step is its differential equation, solved finely") {
     SEEDED(random, 40U);
     tests::LawCase c = tests::random_law_case(law_named("lugre"), random);
     tests::move_about(c, random, 200);
@@ -82,8 +77,8 @@ TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[fr
         1e-9);
 }
 
-TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, and diverges above",
-          "[friction][law]") {
+TEST_CASE(
+    "an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, and diverges above") {
     EACH(share, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0);
     const LawSpec spec{.traits = law_named("lugre_euler")};
     const FrictionLaw law(spec, {.mu_s = 0.5, .mu_d = 0.5}, 1e4, tests::kLawTick);
@@ -105,8 +100,7 @@ TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, 
     }
 }
 
-TEST_CASE("Hayward and Armstrong's law is its differential equation, solved finely",
-          "[friction][law]") {
+TEST_CASE("Hayward and Armstrong's law is its differential equation, solved finely") {
     SEEDED(random, 20U);
     tests::LawCase c = tests::random_law_case(law_named("hayward_armstrong"), random);
     tests::move_about(c, random, 150);
@@ -127,8 +121,7 @@ TEST_CASE("Hayward and Armstrong's law is its differential equation, solved fine
         1e-8);
 }
 
-TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Dahl's without one",
-          "[friction][law]") {
+TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Dahl's without one") {
     SEEDED(random, 20U);
     const Friction friction{.mu_s = 0.5, .mu_d = 0.5};
     const FrictionLaw holds({.traits = law_named("hayward_armstrong"), .stick_share = 0.7},

@@ -65,95 +65,6 @@ Honest honest(Random& random, bool vertex_slew) {
             limits};
 }
 
-}  // namespace
-
-TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{150});
-    const auto [scene, limits] = honest(random, false);
-    ContactState contact;
-    SafetyState state;
-    for (const Vec2& hip : random_hand(seed, 8000, {-0.05, -0.01}, {0.05, 0.05},
-                                       limits.period * random.in(0.5, 2.0))) {
-        const Contact c = scene.tick(contact, hip);
-        const Command command = make_safe(state, limits,
-                                          {.force = Vec3(c.force, 0.0),
-                                           .spring = Vec3(spring_of(c, hip), 0.0),
-                                           .hip = Vec3(hip, 0.0)});
-        if (command.trip != Trip::none || !(state.energy.energy <= 1e-12)) {
-            FAIL("E = " << state.energy.energy << " J");
-        }
-    }
-}
-
-TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
-    // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
-    // counts.
-    SEEDED(random, std::uint64_t{60});
-    auto [scene, limits] = honest(random, true);
-    limits.slew = 2000.0 * limits.period;
-    limits.delay_ticks = random.coin() ? 0.0 : random.in(0.0, 3.0);
-    const double count = random.decade(-6.0, -4.0);
-    ContactState contact;
-    SafetyState state;
-    Vec2 hip{};
-    for (const Vec2& hand : random_hand(seed, 20000, {-0.05, -0.01}, {0.05, 0.05}, limits.period)) {
-        const bool fresh = random.below(50) != 0;
-        if (fresh) {
-            hip = {std::floor(hand.x / count + 0.5) * count,
-                   std::floor(hand.y / count + 0.5) * count};
-        }
-        const Contact c = scene.tick(contact, hip);
-        const Command command = make_safe(state, limits,
-                                          {.force = Vec3(c.force, 0.0),
-                                           .spring = Vec3(spring_of(c, hip), 0.0),
-                                           .hip = Vec3(hip, 0.0),
-                                           .fresh = fresh});
-        REQUIRE((command.trip == Trip::none));
-    }
-    CHECK((state.trip == Trip::none));
-}
-
-TEST_CASE("a force that follows the motion trips before it gave the limit and a tick",
-          "[safety][law]") {
-    SEED(std::uint64_t{20});
-    EACH(linear, true, false);  // -b v with b < 0, or of one size along v
-    Random random(seed);
-    const SafetyLimits limits{.ramp_step = 1.0,
-                              .energy = kLimit,
-                              .stiffness = random.in(100.0, 2000.0),
-                              .damping = random.coin() ? 0.0 : random.in(0.0, 2.0)};
-    const double taken =
-        std::max(limits.damping, min_damping(limits.stiffness, limits.period, 0.0));
-    const double push = linear ? taken * random.in(2.0, 5.0) : random.in(1.0, 5.0);
-    SafetyState state;
-    Given given;
-    Vec2 last{};
-    Vec2 force{};
-    double worst_tick = 0.0;
-    for (const Vec2& hip : random_hand(seed, 200000, {-0.05, -0.05}, {0.05, 0.05}, 1e-3)) {
-        const Vec2 step = state.energy.started ? hip - last : Vec2{};
-        given.add(Vec2(state.command), step, taken, limits.period);
-        worst_tick = std::max(worst_tick, std::fabs(glm::dot(Vec2(state.command), step)));
-        const double length = glm::length(step);
-        force = linear ? push * step / limits.period : length > 0.0 ? push * step / length : Vec2{};
-        const Command c =
-            make_safe(state, limits, {.force = Vec3(force, 0.0), .hip = Vec3(hip, 0.0)});
-        last = hip;
-        if (!(given.max() <= kLimit + worst_tick)) {
-            FAIL("gave " << given.max() << " J");
-        }
-        if (c.trip != Trip::none) {
-            CHECK((c.trip == Trip::energy));
-            CHECK(given.max() > 0.99 * kLimit);  // and not before
-            return;
-        }
-    }
-    FAIL("never tripped");
-}
-
-namespace {
-
 struct Wall {
     double stiffness = 1000.0;  ///< N/m
     double damping = 0.55;      ///< N s/m, of the device
@@ -194,8 +105,90 @@ Trip against(const Wall& wall) {
 
 }  // namespace
 
-TEST_CASE("a wall within the passivity bound runs for ever, one rendered from old readings trips",
-          "[safety]") {
+TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer") {
+    SEEDED(random, std::uint64_t{150});
+    const auto [scene, limits] = honest(random, false);
+    ContactState contact;
+    SafetyState state;
+    for (const Vec2& hip : random_hand(seed, 8000, {-0.05, -0.01}, {0.05, 0.05},
+                                       limits.period * random.in(0.5, 2.0))) {
+        const Contact c = scene.tick(contact, hip);
+        const Command command = make_safe(state, limits,
+                                          {.force = Vec3(c.force, 0.0),
+                                           .spring = Vec3(spring_of(c, hip), 0.0),
+                                           .hip = Vec3(hip, 0.0)});
+        if (command.trip != Trip::none || !(state.energy.energy <= 1e-12)) {
+            FAIL("E = " << state.energy.energy << " J");
+        }
+    }
+}
+
+TEST_CASE("honest renderings never trip the energy observer") {
+    // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
+    // counts.
+    SEEDED(random, std::uint64_t{60});
+    auto [scene, limits] = honest(random, true);
+    limits.slew = 2000.0 * limits.period;
+    limits.delay_ticks = random.coin() ? 0.0 : random.in(0.0, 3.0);
+    const double count = random.decade(-6.0, -4.0);
+    ContactState contact;
+    SafetyState state;
+    Vec2 hip{};
+    for (const Vec2& hand : random_hand(seed, 20000, {-0.05, -0.01}, {0.05, 0.05}, limits.period)) {
+        const bool fresh = random.below(50) != 0;
+        if (fresh) {
+            hip = {std::floor(hand.x / count + 0.5) * count,
+                   std::floor(hand.y / count + 0.5) * count};
+        }
+        const Contact c = scene.tick(contact, hip);
+        const Command command = make_safe(state, limits,
+                                          {.force = Vec3(c.force, 0.0),
+                                           .spring = Vec3(spring_of(c, hip), 0.0),
+                                           .hip = Vec3(hip, 0.0),
+                                           .fresh = fresh});
+        REQUIRE((command.trip == Trip::none));
+    }
+    CHECK((state.trip == Trip::none));
+}
+
+TEST_CASE("a force that follows the motion trips before it gave the limit and a tick") {
+    SEED(std::uint64_t{20});
+    EACH(linear, true, false);  // -b v with b < 0, or of one size along v
+    Random random(seed);
+    const SafetyLimits limits{.ramp_step = 1.0,
+                              .energy = kLimit,
+                              .stiffness = random.in(100.0, 2000.0),
+                              .damping = random.coin() ? 0.0 : random.in(0.0, 2.0)};
+    const double taken =
+        std::max(limits.damping, min_damping(limits.stiffness, limits.period, 0.0));
+    const double push = linear ? taken * random.in(2.0, 5.0) : random.in(1.0, 5.0);
+    SafetyState state;
+    Given given;
+    Vec2 last{};
+    Vec2 force{};
+    double worst_tick = 0.0;
+    for (const Vec2& hip : random_hand(seed, 200000, {-0.05, -0.05}, {0.05, 0.05}, 1e-3)) {
+        const Vec2 step = state.energy.started ? hip - last : Vec2{};
+        given.add(Vec2(state.command), step, taken, limits.period);
+        worst_tick = std::max(worst_tick, std::fabs(glm::dot(Vec2(state.command), step)));
+        const double length = glm::length(step);
+        force = linear ? push * step / limits.period : length > 0.0 ? push * step / length : Vec2{};
+        const Command c =
+            make_safe(state, limits, {.force = Vec3(force, 0.0), .hip = Vec3(hip, 0.0)});
+        last = hip;
+        if (!(given.max() <= kLimit + worst_tick)) {
+            FAIL("gave " << given.max() << " J");
+        }
+        if (c.trip != Trip::none) {
+            CHECK((c.trip == Trip::energy));
+            CHECK(given.max() > 0.99 * kLimit);  // and not before
+            return;
+        }
+    }
+    FAIL("never tripped");
+}
+
+TEST_CASE("a wall within the passivity bound runs for ever, one rendered from old readings trips") {
     // K T (1/2 + d): 0.5 N s/m without delay, 1.5 with one tick.
     CHECK((against({.damping = 0.55}) == Trip::none));
     CHECK((against({.damping = 1.6, .delay = 1}) == Trip::none));
@@ -204,7 +197,7 @@ TEST_CASE("a wall within the passivity bound runs for ever, one rendered from ol
     CHECK((against({.lag = 4}) == Trip::energy));
 }
 
-TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
+TEST_CASE("a spring of the wrong sign is caught") {
     const SafetyLimits limits{.ramp_step = 1.0, .energy = kLimit};
     SafetyState state;
     double depth = 0.0;
@@ -221,7 +214,7 @@ TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
     CHECK(depth == Approx(0.010).margin(2e-4));
 }
 
-TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]") {
+TEST_CASE("the cut spring stores what its force does on the way") {
     const double stiffness = GENERATE(100.0, 1000.0, 4000.0);
     const double max = GENERATE(1.0, 10.0);
     double sum = 0.0;
@@ -232,7 +225,7 @@ TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]
     }
 }
 
-TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "[safety]") {
+TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks") {
     SafetyLimits limits{.max_force = 1e3, .ramp_step = 1.0, .energy = 1e6, .stiffness = 1e-9};
     limits.delay_ticks = 2.25;
     EnergyObserver observer;
@@ -245,8 +238,8 @@ TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "
           Approx(0.75 * 4.0 * 1e-3).epsilon(1e-9));
 }
 
-TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever hand and friction",
-          "[rendering][law]") {
+TEST_CASE(
+    "no episode of contact gives more energy than sampling leaks, whatever hand and friction") {
     SEEDED(random, 60U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const double mu_d = random.in(0.0, 1.0);
@@ -268,7 +261,7 @@ TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever
     CHECK(ledger.worst() <= 1e-12);
 }
 
-TEST_CASE("friction that pushes with the motion shows in the ledger", "[rendering]") {
+TEST_CASE("friction that pushes with the motion shows in the ledger") {
     EnergyLedger<2> ledger(1000.0);
     for (int i = 0; i <= 100; ++i) {  // 2 N along a stroke of 10 mm
         ledger.add({1e-4 * i, -0.001}, {2.0, 1.0}, i > 0 && i < 100);
@@ -278,8 +271,7 @@ TEST_CASE("friction that pushes with the motion shows in the ledger", "[renderin
     CHECK(ledger.worst() == Approx(99 * 2e-4 - 100 * 5e-6).epsilon(1e-9));
 }
 
-TEST_CASE("a contact that begins with HIP inside starts with the energy of its first stretch",
-          "[rendering]") {
+TEST_CASE("a contact that begins with HIP inside starts with the energy of its first stretch") {
     EnergyLedger<2> ledger(1000.0);
     ledger.add({0.0, -0.002}, {0.0, 2.0}, true);  // K/2 (2 mm)^2 = 2 mJ
     ledger.add({0.0, 0.0}, {0.0, 0.0}, false);    // gives 4 mJ, leaks 2 mJ

@@ -31,8 +31,7 @@ FiveBar symmetric(double driven, double free, double base) {
 
 // Poses and Jacobians of published link lengths (Haplet; 2DIY generations 2 and 3), computed
 // independently in extended precision and checked there against central differences.
-TEST_CASE("positions and Jacobians agree with the golden poses of real devices",
-          "[device][golden]") {
+TEST_CASE("positions and Jacobians agree with the golden poses of real devices") {
     struct Golden {
         FiveBar linkage;
         double t1, t2, x_mm, y_mm, j11, j12, j21, j22;
@@ -72,8 +71,7 @@ TEST_CASE("positions and Jacobians agree with the golden poses of real devices",
     }
 }
 
-TEST_CASE("the Jacobian is the derivative of the handle, and its transpose conserves power",
-          "[device][law]") {
+TEST_CASE("the Jacobian is the derivative of the handle, and its transpose conserves power") {
     int tried = 0;
     for (std::uint64_t seed = 0; seed < 4000; ++seed) {
         Random random(seed);
@@ -114,7 +112,7 @@ TEST_CASE("the Jacobian is the derivative of the handle, and its transpose conse
     CHECK(tried > 1500);
 }
 
-TEST_CASE("singular values are those of the turned and stretched circle", "[device][law]") {
+TEST_CASE("singular values are those of the turned and stretched circle") {
     SEEDED(random, std::uint64_t{300});
     const Jacobian j{.row_x = random.point(-1.0, 1.0), .row_y = random.point(-1.0, 1.0)};
     const SingularValues s = singular_values(j);
@@ -123,8 +121,7 @@ TEST_CASE("singular values are those of the turned and stretched circle", "[devi
                     glm::dot(j.row_y, j.row_y)) < 1e-14);
 }
 
-TEST_CASE("inverse and forward undo each other in every working mode, and keep it",
-          "[device][law]") {
+TEST_CASE("inverse and forward undo each other in every working mode, and keep it") {
     int kept = 0;
     for (std::uint64_t seed = 0; seed < 20000; ++seed) {
         Random random(seed);
@@ -162,8 +159,7 @@ TEST_CASE("inverse and forward undo each other in every working mode, and keep i
     CHECK(kept > 8000);
 }
 
-TEST_CASE("the serial clearance is the way to the place where the links lie in line",
-          "[device][law]") {
+TEST_CASE("the serial clearance is the way to the place where the links lie in line") {
     SEEDED(random, std::uint64_t{500});
     const FiveBar linkage;
     const Vec2 handle{random.in(-0.03, 0.055), random.in(0.05, 0.12)};
@@ -181,7 +177,7 @@ TEST_CASE("the serial clearance is the way to the place where the links lie in l
     }
 }
 
-TEST_CASE("elbows one above the other are a pose like any other", "[device]") {
+TEST_CASE("elbows one above the other are a pose like any other") {
     // The published formula divides by the difference of the elbows' x.
     const FiveBar linkage{.mode = {.handle_left = false}};
     for (const double off : {0.0, 1e-16, -1e-16, 1e-12, 1e-6}) {
@@ -198,8 +194,7 @@ TEST_CASE("elbows one above the other are a pose like any other", "[device]") {
 }
 
 TEST_CASE(
-    "the inverse brings the handle back in the whole workspace, and refuses what is out of reach",
-    "[device][law]") {
+    "the inverse brings the handle back in the whole workspace, and refuses what is out of reach") {
     const FiveBar linkage;
     Random random(2);
     for (int i = 0; i < 2000; ++i) {

@@ -22,40 +22,6 @@ Friction random_friction(Random& random) {
             .tau_heal = random.in(0.0, 0.3)};
 }
 
-}  // namespace
-
-TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick",
-          "[friction][law]") {
-    SEEDED(random, std::uint64_t{60});
-    const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
-    const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
-    const double k = random.in(100.0, 2000.0);
-    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
-    const Scene scene(stimuli::make_outline({.curvature = kappa}),
-                      {.stiffness = k, .friction = friction});
-    GosOracle oracle(side, {.stiffness = k,
-                            .mu_s = friction.mu_s,
-                            .mu_d = friction.mu_d,
-                            .tau_slip = friction.tau_slip,
-                            .tau_heal = friction.tau_heal});
-    ContactState state;
-    double worst = 0.0;
-    int touched = 0;
-    for (int i = 0; i < 6000; ++i) {  // in and out of the side, away from its ends
-        const double t = i * 1e-3;
-        const double s = 0.5 + 0.3 * std::sin(2.1 * t + 1.0) + 0.02 * std::sin(31.0 * t);
-        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
-        const Vec2 h = on.point - (0.0012 + 0.002 * std::sin(3.7 * t)) * on.normal;
-        const Contact contact = scene.tick(state, h);
-        worst = std::max(worst, glm::length(contact.force - oracle.tick(h)));
-        touched += contact.mode != Mode::free ? 1 : 0;
-    }
-    CHECK(touched > 2000);
-    CHECK(worst <= (friction.none() ? 1e-10 : 1e-9));
-}
-
-namespace {
-
 /// Ticks whose force step exceeds the bound of the slewed law:
 ///
 ///     K (3 |dh| + v_r T) + pull (v_r T + 2 |dh|) / rho_v + (mu_s - mu_d) F_N T / tau_slip + 0.02 N
@@ -92,104 +58,6 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
     return violations;
 }
 
-}  // namespace
-
-TEST_CASE("with vertex slew the force never steps by more than the bound", "[friction][law]") {
-    SEED(std::uint64_t{40});
-    EACH(rate, 1000.0, 4000.0);
-    const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
-                      {.period = 1.0 / rate, .friction = kStudyFriction, .slew = kStudySlew});
-    CHECK(steps_above_bound(scene, hand(seed, 1.0 / rate)) == 0);
-}
-
-TEST_CASE("round a shallow corner the force never steps by more than the bound",
-          "[friction][law]") {
-    SEED(std::uint64_t{20});
-    const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}, {0.1, -0.0404}}),
-                      {.friction = kStudyFriction, .slew = kStudySlew});
-    CHECK(steps_above_bound(scene, random_hand(seed, 4000, {-0.03, -0.012}, {0.03, 0.002})) == 0);
-}
-
-TEST_CASE("a hand at rest is stuck, and its friction is held", "[friction][law]") {
-    const Scene scene(stimuli::make_outline({.curvature = 5.0}),
-                      {.friction = kStudyFriction, .slew = kStudySlew});
-    ContactState state;
-    Vec2 h{-0.025, 0.020};
-    static_cast<void>(scene.tick(state, {-0.03, 0.03}));
-    for (int k = 0; k < 20; ++k) {  // press, then pull a little along the side: below breakaway
-        h += Vec2{0.00005, -0.0001};
-        static_cast<void>(scene.tick(state, h));
-    }
-    for (int k = 0; k < 1000; ++k) {  // let a slip that the pull began run out
-        static_cast<void>(scene.tick(state, h));
-    }
-    const Contact held = scene.tick(state, h);
-    CHECK(held.mode == Mode::stuck);
-    CHECK(std::fabs(held.tangential_force) > 0.05);
-    for (int k = 0; k < 5000; ++k) {
-        const Contact c = scene.tick(state, h);
-        REQUIRE(c.mode == Mode::stuck);
-        REQUIRE(c.force == held.force);
-    }
-}
-
-TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given",
-          "[friction][law]") {
-    const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kStudyFriction});
-    ContactState state;
-    const double depth = 0.003;
-    static_cast<void>(scene.tick(state, {0.0, 0.001}));
-    static_cast<void>(scene.tick(state, {0.0, -depth}));
-    double broke_at = 0.0;
-    int slipping = 0;
-    double worst = 0.0;
-    for (int k = 1; k < 400; ++k) {
-        const double x = k * 2e-5;  // 20 mm/s
-        const Contact c = scene.tick(state, {x, -depth});
-        const double ratio = std::fabs(c.tangential_force) / c.normal_force;
-        if (c.mode == Mode::stuck) {
-            broke_at = ratio;
-            continue;
-        }
-        // mu relaxes as mu_d + (mu_s - mu_d) exp(-n T / tau_slip), n ticks after break-away.
-        const double expected = 0.5 + 0.2 * std::exp(-slipping * 1e-3 / 0.02);
-        worst = std::max(worst, std::fabs(ratio - expected));
-        CHECK(c.mode == (std::exp(-slipping * 1e-3 / 0.02) > 1e-3 ? Mode::transition : Mode::slip));
-        ++slipping;
-    }
-    CHECK(broke_at <= 0.7 + 1e-12);
-    CHECK(broke_at > 0.7 - 2e-5 / depth);
-    CHECK(slipping > 150);
-    CHECK(worst < 1e-12);
-}
-
-TEST_CASE("friction off and friction with mu = 0 are the same renderer", "[friction][law]") {
-    const auto outline = stimuli::make_outline({.curvature = 5.0});
-    const Scene none(outline, {.slew = kStudySlew});
-    const Scene tiny(outline, {.friction = {.mu_s = 1e-300, .mu_d = 0.0}, .slew = kStudySlew});
-    ContactState a;
-    ContactState b;
-    for (const Vec2& h : hand(5)) {
-        REQUIRE(glm::length(none.tick(a, h).force - tiny.tick(b, h).force) < 1e-10);
-    }
-}
-
-TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D", "[friction][law]") {
-    Random random(4);
-    for (int i = 0; i < 200; ++i) {
-        const double angle = random.in(0.0, 6.28);
-        const Vec2 n{std::cos(angle), std::sin(angle)};
-        const Vec2 r = random.point(-1.0, 1.0);
-        const Stretch<2> flat = stretch<2>(r, n);
-        const Stretch<3> solid = stretch<3>(Vec3{r.x, r.y, 0.0}, Vec3{n.x, n.y, 0.0});
-        CHECK(flat.load == solid.load);
-        CHECK(std::fabs(flat.length - solid.length) < 1e-16);
-        CHECK(std::fabs(flat.length - std::fabs(cross(n, r))) < 1e-15);
-    }
-}
-
-namespace {
-
 /// Sides of 56.6 mm with a sagitta of 5 mm have this curvature: R = 82.5 mm.
 constexpr double kSagitta5mm = 1.0 / 0.0825;
 
@@ -221,46 +89,6 @@ void stroke_on(const Scene& scene, const Stroke& stroke, double seconds, Each&& 
         }
     }
 }
-
-}  // namespace
-
-// The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at
-// 0.1 m/s and above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu =
-// 0.23 at 0.05 m/s.
-TEST_CASE("a finger sliding on a concave, straight or convex side never jams and feels mu_d",
-          "[friction][law]") {
-    const double curvature = GENERATE(-kSagitta5mm, 0.0, kSagitta5mm);
-    const double speed = GENERATE(0.02, 0.05, 0.1, 0.2);
-    CAPTURE(curvature, speed);
-    // The two sides alone: at 10 % of the concave one, 2 mm down, the base line is nearer.
-    const Vec2 vertex{0.0, 0.04};
-    const auto sides = open_outline(
-        {make_arc({-0.04, 0.0}, vertex, curvature), make_arc(vertex, {0.04, 0.0}, curvature)});
-    const Scene scene(sides, {.friction = kStudyFriction});
-    const double chord = std::hypot(0.04, 0.04);
-    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kStudyFriction.tau_slip;
-    REQUIRE(0.8 * chord / speed > turn_round);
-    int jammed = 0;
-    int sliding = 0;
-    double worst_mu = 0.0;
-    double max = 0.0;
-    stroke_on(scene, {.speed = speed}, 4.0, [&](double since, const Contact& c) {
-        max = std::max(max, glm::length(c.force));
-        if (since <= turn_round) {
-            return;  // the stick after a reversal, and mu on its way from mu_s to mu_d
-        }
-        ++sliding;
-        jammed += c.mode == Mode::slip ? 0 : 1;
-        worst_mu =
-            std::max(worst_mu, std::fabs(std::fabs(c.tangential_force) / c.normal_force - 0.5));
-    });
-    CHECK(sliding > 500);
-    CHECK(jammed == 0);
-    CHECK(worst_mu < 0.5 * 0.001);  // 0.1 %
-    CHECK(max < 2.0 * std::hypot(1.0, 0.7) * 1.05);
-}
-
-namespace {
 
 /// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest
 /// difference and the rms at 1, 4 and 10 kHz.
@@ -327,7 +155,163 @@ std::vector<Vec2> forces_on(const Ride& ride, int per_millisecond) {
 
 }  // namespace
 
-TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too", "[friction][law]") {
+TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick") {
+    SEEDED(random, std::uint64_t{60});
+    const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
+    const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
+    const double k = random.in(100.0, 2000.0);
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
+    const Scene scene(stimuli::make_outline({.curvature = kappa}),
+                      {.stiffness = k, .friction = friction});
+    GosOracle oracle(side, {.stiffness = k,
+                            .mu_s = friction.mu_s,
+                            .mu_d = friction.mu_d,
+                            .tau_slip = friction.tau_slip,
+                            .tau_heal = friction.tau_heal});
+    ContactState state;
+    double worst = 0.0;
+    int touched = 0;
+    for (int i = 0; i < 6000; ++i) {  // in and out of the side, away from its ends
+        const double t = i * 1e-3;
+        const double s = 0.5 + 0.3 * std::sin(2.1 * t + 1.0) + 0.02 * std::sin(31.0 * t);
+        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
+        const Vec2 h = on.point - (0.0012 + 0.002 * std::sin(3.7 * t)) * on.normal;
+        const Contact contact = scene.tick(state, h);
+        worst = std::max(worst, glm::length(contact.force - oracle.tick(h)));
+        touched += contact.mode != Mode::free ? 1 : 0;
+    }
+    CHECK(touched > 2000);
+    CHECK(worst <= (friction.none() ? 1e-10 : 1e-9));
+}
+
+TEST_CASE("with vertex slew the force never steps by more than the bound") {
+    SEED(std::uint64_t{40});
+    EACH(rate, 1000.0, 4000.0);
+    const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
+                      {.period = 1.0 / rate, .friction = kStudyFriction, .slew = kStudySlew});
+    CHECK(steps_above_bound(scene, hand(seed, 1.0 / rate)) == 0);
+}
+
+TEST_CASE("round a shallow corner the force never steps by more than the bound") {
+    SEED(std::uint64_t{20});
+    const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}, {0.1, -0.0404}}),
+                      {.friction = kStudyFriction, .slew = kStudySlew});
+    CHECK(steps_above_bound(scene, random_hand(seed, 4000, {-0.03, -0.012}, {0.03, 0.002})) == 0);
+}
+
+TEST_CASE("a hand at rest is stuck, and its friction is held") {
+    const Scene scene(stimuli::make_outline({.curvature = 5.0}),
+                      {.friction = kStudyFriction, .slew = kStudySlew});
+    ContactState state;
+    Vec2 h{-0.025, 0.020};
+    static_cast<void>(scene.tick(state, {-0.03, 0.03}));
+    for (int k = 0; k < 20; ++k) {  // press, then pull a little along the side: below breakaway
+        h += Vec2{0.00005, -0.0001};
+        static_cast<void>(scene.tick(state, h));
+    }
+    for (int k = 0; k < 1000; ++k) {  // let a slip that the pull began run out
+        static_cast<void>(scene.tick(state, h));
+    }
+    const Contact held = scene.tick(state, h);
+    CHECK(held.mode == Mode::stuck);
+    CHECK(std::fabs(held.tangential_force) > 0.05);
+    for (int k = 0; k < 5000; ++k) {
+        const Contact c = scene.tick(state, h);
+        REQUIRE(c.mode == Mode::stuck);
+        REQUIRE(c.force == held.force);
+    }
+}
+
+TEST_CASE("break-away comes at mu_s and the slip settles at mu_d with the time constant given") {
+    const Scene scene(polyline({{-1.0, 0.0}, {1.0, 0.0}}), {.friction = kStudyFriction});
+    ContactState state;
+    const double depth = 0.003;
+    static_cast<void>(scene.tick(state, {0.0, 0.001}));
+    static_cast<void>(scene.tick(state, {0.0, -depth}));
+    double broke_at = 0.0;
+    int slipping = 0;
+    double worst = 0.0;
+    for (int k = 1; k < 400; ++k) {
+        const double x = k * 2e-5;  // 20 mm/s
+        const Contact c = scene.tick(state, {x, -depth});
+        const double ratio = std::fabs(c.tangential_force) / c.normal_force;
+        if (c.mode == Mode::stuck) {
+            broke_at = ratio;
+            continue;
+        }
+        // mu relaxes as mu_d + (mu_s - mu_d) exp(-n T / tau_slip), n ticks after break-away.
+        const double expected = 0.5 + 0.2 * std::exp(-slipping * 1e-3 / 0.02);
+        worst = std::max(worst, std::fabs(ratio - expected));
+        CHECK(c.mode == (std::exp(-slipping * 1e-3 / 0.02) > 1e-3 ? Mode::transition : Mode::slip));
+        ++slipping;
+    }
+    CHECK(broke_at <= 0.7 + 1e-12);
+    CHECK(broke_at > 0.7 - 2e-5 / depth);
+    CHECK(slipping > 150);
+    CHECK(worst < 1e-12);
+}
+
+TEST_CASE("friction off and friction with mu = 0 are the same renderer") {
+    const auto outline = stimuli::make_outline({.curvature = 5.0});
+    const Scene none(outline, {.slew = kStudySlew});
+    const Scene tiny(outline, {.friction = {.mu_s = 1e-300, .mu_d = 0.0}, .slew = kStudySlew});
+    ContactState a;
+    ContactState b;
+    for (const Vec2& h : hand(5)) {
+        REQUIRE(glm::length(none.tick(a, h).force - tiny.tick(b, h).force) < 1e-10);
+    }
+}
+
+TEST_CASE("the frame of a stretch splits it the same way in 2-D and 3-D") {
+    Random random(4);
+    for (int i = 0; i < 200; ++i) {
+        const double angle = random.in(0.0, 6.28);
+        const Vec2 n{std::cos(angle), std::sin(angle)};
+        const Vec2 r = random.point(-1.0, 1.0);
+        const Stretch<2> flat = stretch<2>(r, n);
+        const Stretch<3> solid = stretch<3>(Vec3{r.x, r.y, 0.0}, Vec3{n.x, n.y, 0.0});
+        CHECK(flat.load == solid.load);
+        CHECK(std::fabs(flat.length - solid.length) < 1e-16);
+        CHECK(std::fabs(flat.length - std::fabs(cross(n, r))) < 1e-15);
+    }
+}
+
+// The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at
+// 0.1 m/s and above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu =
+// 0.23 at 0.05 m/s.
+TEST_CASE("a finger sliding on a concave, straight or convex side never jams and feels mu_d") {
+    const double curvature = GENERATE(-kSagitta5mm, 0.0, kSagitta5mm);
+    const double speed = GENERATE(0.02, 0.05, 0.1, 0.2);
+    CAPTURE(curvature, speed);
+    // The two sides alone: at 10 % of the concave one, 2 mm down, the base line is nearer.
+    const Vec2 vertex{0.0, 0.04};
+    const auto sides = open_outline(
+        {make_arc({-0.04, 0.0}, vertex, curvature), make_arc(vertex, {0.04, 0.0}, curvature)});
+    const Scene scene(sides, {.friction = kStudyFriction});
+    const double chord = std::hypot(0.04, 0.04);
+    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kStudyFriction.tau_slip;
+    REQUIRE(0.8 * chord / speed > turn_round);
+    int jammed = 0;
+    int sliding = 0;
+    double worst_mu = 0.0;
+    double max = 0.0;
+    stroke_on(scene, {.speed = speed}, 4.0, [&](double since, const Contact& c) {
+        max = std::max(max, glm::length(c.force));
+        if (since <= turn_round) {
+            return;  // the stick after a reversal, and mu on its way from mu_s to mu_d
+        }
+        ++sliding;
+        jammed += c.mode == Mode::slip ? 0 : 1;
+        worst_mu =
+            std::max(worst_mu, std::fabs(std::fabs(c.tangential_force) / c.normal_force - 0.5));
+    });
+    CHECK(sliding > 500);
+    CHECK(jammed == 0);
+    CHECK(worst_mu < 0.5 * 0.001);  // 0.1 %
+    CHECK(max < 2.0 * std::hypot(1.0, 0.7) * 1.05);
+}
+
+TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too") {
     constexpr double kDegree = std::numbers::pi / 180.0;
     const std::vector<Ride> rides{
         along_an_arc(),

@@ -15,7 +15,7 @@ struct Anchored {
 
 }  // namespace
 
-TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
+TEST_CASE("the maps of velocity are their formulas") {
     SEEDED(random, 40U);
     for (const LawTraits* kind :
          {law_named("coulomb_sign"), law_named("viscous"), law_named("stribeck")}) {
@@ -38,8 +38,7 @@ TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
     }
 }
 
-TEST_CASE("stiction and Karnopp's law are a spring from where HIP stuck, and Coulomb's law else",
-          "[friction][law]") {
+TEST_CASE("stiction and Karnopp's law are a spring from where HIP stuck, and Coulomb's law else") {
     SEEDED(random, 40U);
     for (const LawTraits* kind : {law_named("stiction"), law_named("karnopp")}) {
         tests::LawCase c = tests::random_law_case(kind, random);
@@ -70,7 +69,7 @@ TEST_CASE("stiction and Karnopp's law are a spring from where HIP stuck, and Cou
     }
 }
 
-TEST_CASE("coming to rest keeps the force, to within the travel of the tick", "[friction]") {
+TEST_CASE("coming to rest keeps the force, to within the travel of the tick") {
     for (const LawTraits* kind : {law_named("stiction"), law_named("karnopp")}) {
         const FrictionLaw law({.traits = kind}, {.mu_s = 0.7, .mu_d = 0.5}, 1000.0,
                               tests::kLawTick);
@@ -87,8 +86,7 @@ TEST_CASE("coming to rest keeps the force, to within the travel of the tick", "[
     }
 }
 
-TEST_CASE("the reset integrator and the friction cone are anchors that HIP drags along",
-          "[friction][law]") {
+TEST_CASE("the reset integrator and the friction cone are anchors that HIP drags along") {
     SEEDED(random, 40U);
     for (const LawTraits* kind : {law_named("reset_integrator"), law_named("friction_cone")}) {
         tests::LawCase c = tests::random_law_case(kind, random);
@@ -115,8 +113,7 @@ TEST_CASE("the reset integrator and the friction cone are anchors that HIP drags
     }
 }
 
-TEST_CASE("one bristle is a saw of random teeth, and many pull by mu_d in the mean",
-          "[friction][law]") {
+TEST_CASE("one bristle is a saw of random teeth, and many pull by mu_d in the mean") {
     const double load = 4.0;
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5};
     const double reach = 0.7 * load / 1000.0;
@@ -153,8 +150,7 @@ TEST_CASE("one bristle is a saw of random teeth, and many pull by mu_d in the me
     CHECK(sum / (kTicks / 2) == Approx(0.5 * load).epsilon(0.01));
 }
 
-TEST_CASE("snags lie where they lie, and one in every length of their spacing holds",
-          "[friction][law]") {
+TEST_CASE("snags lie where they lie, and one in every length of their spacing holds") {
     const LawSpec spec{.traits = law_named("snags"), .snag_spacing = 0.005, .seed = 3};
     const FrictionLaw law(spec, {.mu_s = 0.7, .mu_d = 0.5}, 1000.0, tests::kLawTick);
     const double reach = 0.7 * 2.0 / 1000.0;  // of mu_s F_N
@@ -187,8 +183,7 @@ TEST_CASE("snags lie where they lie, and one in every length of their spacing ho
     CHECK(caught >= 8);  // of ten; two that lie close hold as one
 }
 
-TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give finite ones",
-          "[friction][law]") {
+TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give finite ones") {
     for (const LawTraits* const traits : all_laws()) {
         CAPTURE(traits->word);
         CHECK(law_named(traits->word) == traits);
@@ -221,8 +216,7 @@ TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give
     }
 }
 
-TEST_CASE("the smallest numbers above 0 are felt as well: every tick ends, and is finite",
-          "[friction][law]") {
+TEST_CASE("the smallest numbers above 0 are felt as well: every tick ends, and is finite") {
     const auto tiny = GENERATE(1e-17, 1e-300, 4.9406564584124654e-324);
     for (const LawTraits* const traits : all_laws()) {
         CAPTURE(traits->word, tiny);
@@ -244,8 +238,7 @@ TEST_CASE("the smallest numbers above 0 are felt as well: every tick ends, and i
     }
 }
 
-TEST_CASE("a law with a number out of its range is refused with the value and a remedy",
-          "[friction]") {
+TEST_CASE("a law with a number out of its range is refused with the value and a remedy") {
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5};
     const auto made = [&](const LawSpec& spec) {
         return FrictionLaw(spec, friction, 1e3, tests::kLawTick);

@@ -24,8 +24,7 @@ Calibration any_gantry(Random& random) {
 
 }  // namespace
 
-TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends and nowhere else",
-          "[gantry][law]") {
+TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends and nowhere else") {
     SEEDED(random, 100U);
     const Calibration calibration = any_gantry(random);
     const Machine machine(calibration);
@@ -57,8 +56,7 @@ TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends 
 
 TEST_CASE(
     "torques are r F, a force that is too strong keeps its direction, and one up to the weakest is "
-    "given",
-    "[gantry][law]") {
+    "given") {
     SEEDED(random, 100U);
     const Calibration calibration = any_gantry(random);
     const Machine machine(calibration);
@@ -85,8 +83,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("numbers of a gantry that cannot be are refused with what to give",
-          "[gantry][calibration]") {
+TEST_CASE("numbers of a gantry that cannot be are refused with what to give") {
     Random random(1);
     const Calibration good = any_gantry(random);
     REQUIRE_NOTHROW(check(good));
@@ -109,8 +106,7 @@ TEST_CASE("numbers of a gantry that cannot be are refused with what to give",
     refused("only an open board drives so many", [](auto& bad) { bad.haply.emplace(); });
 }
 
-TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis",
-          "[gantry][law]") {
+TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis") {
     SEED(20U);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share{-0.9, 0.9};
@@ -138,8 +134,7 @@ TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper
     CHECK(reading.counts[2] == std::lround(reading.hip.z * 1e6));
 }
 
-TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and said so",
-          "[gantry][law]") {
+TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and said so") {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> newtons{-20.0, 20.0};
     SimulatedGantry machine({}, 1e-3);
@@ -158,8 +153,8 @@ TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and 
     }
 }
 
-TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, the same each time",
-          "[gantry][law]") {
+TEST_CASE(
+    "the hand of a gantry comes down on the patch, crosses it and leaves, the same each time") {
     const auto seed = GENERATE(palpate::tests::seeds(10U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> turn{0.0, 6.28};
@@ -196,7 +191,7 @@ TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, 
     CHECK(machine.duration() > 3.0);
 }
 
-TEST_CASE("numbers of a gantry out of their range are refused by name", "[gantry]") {
+TEST_CASE("numbers of a gantry out of their range are refused by name") {
     CHECK_THROWS_WITH(SimulatedGantry({.mass = 0.0}, 1e-3),
                       "the simulated gantry's mass (kg) is 0: give 0.001 to 10");
     CHECK_THROWS_WITH(SimulatedGantry({}, 0.0),

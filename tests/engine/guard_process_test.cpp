@@ -38,7 +38,7 @@ bool stays_off(const EmulatedBoard& board) {
 
 }  // namespace
 
-TEST_CASE("however palpate dies with the force on, its motors go to zero", "[guard][law]") {
+TEST_CASE("however palpate dies with the force on, its motors go to zero") {
     EmulatedBoard board(haply_machine(), guided_hand());
     EACH(death, SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
     const auto presser = pressing(board, haply_machine());
@@ -53,8 +53,7 @@ TEST_CASE("however palpate dies with the force on, its motors go to zero", "[gua
 }
 
 TEST_CASE(
-    "whatever befalls palpate, its guard and the board together, the force ends and stays off",
-    "[guard][law]") {
+    "whatever befalls palpate, its guard and the board together, the force ends and stays off") {
     EACH(open, false, true);
     const Calibration calibration = open ? open_machine() : haply_machine();
     EmulatedBoard board(
@@ -94,9 +93,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a palpate that hangs or is stopped with the force on has its motors zeroed, and may not "
-    "press again",
-    "[guard][law]") {
+    "a palpate that hangs or is stopped with the force on has its motors zeroed, and may not press "
+    "again") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const bool stopped = GENERATE(true, false);
     const auto presser =
@@ -120,7 +118,7 @@ TEST_CASE(
     CHECK(stays_off(board));
 }
 
-TEST_CASE("when its guard is killed or stopped the driver gives no more force", "[guard][law]") {
+TEST_CASE("when its guard is killed or stopped the driver gives no more force") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const int blow = GENERATE(SIGKILL, SIGSTOP);
     const auto presser = pressing(board, haply_machine());
@@ -136,8 +134,7 @@ TEST_CASE("when its guard is killed or stopped the driver gives no more force", 
     CHECK(eventually([&] { return gone(guard); }));
 }
 
-TEST_CASE("a guard outlives the terminal's signals and ends with its owner's object",
-          "[guard][law]") {
+TEST_CASE("a guard outlives the terminal's signals and ends with its owner's object") {
     EmulatedBoard board(haply_machine(), guided_hand());
     pid_t guard = -1;
     {
@@ -159,7 +156,7 @@ TEST_CASE("a guard outlives the terminal's signals and ends with its owner's obj
     CHECK(kill(guard, 0) != 0);  // reaped: not even a zombie
 }
 
-TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
+TEST_CASE("a driver that is silent without force is left alone") {
     EmulatedBoard board(haply_machine(), guided_hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
     const GuardProcess& guard = *own;
@@ -176,7 +173,7 @@ TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
     CHECK(device.read().ok());
 }
 
-TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law]") {
+TEST_CASE("a reconnection starts a new guard for one that is gone") {
     EmulatedBoard board(haply_machine(), guided_hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 300});
     const GuardProcess& guard = *own;
@@ -192,7 +189,7 @@ TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law
     CHECK(board.journal().setups >= 1);  // a busy machine may need a second
 }
 
-TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then", "[guard][law]") {
+TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const HaplyPacket setup =
         setup_packet(haply_setup(*haply_machine().haply, haply_machine().pantograph));
@@ -223,8 +220,7 @@ TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then
     CHECK(stays_off(board));
 }
 
-TEST_CASE("a guard that is to repeat zeros does so while its driver sleeps, whoever else speaks",
-          "[guard][law]") {
+TEST_CASE("a guard that is to repeat zeros does so while its driver sleeps, whoever else speaks") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const int stranger =
         open(board.path().c_str(), O_WRONLY | O_NOCTTY);  // before TIOCEXCL bars it

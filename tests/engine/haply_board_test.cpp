@@ -43,7 +43,7 @@ double duty(double torque) {
 
 }  // namespace
 
-TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[haply][hazard]") {
+TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[haply]") {
     Naive host;
     host.set_up();
     host.torque(0.05, -0.02);
@@ -55,7 +55,7 @@ TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[h
     CHECK(host.plant.torque() == given);
 }
 
-TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[haply][hazard]") {
+TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[haply]") {
     Naive host;
     host.set_up();
     host.torque(0.05, 0.05);
@@ -71,7 +71,7 @@ TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[ha
     CHECK(host.board.torque() == Vec3{});
 }
 
-TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][hazard]") {
+TEST_CASE("torques for an id that owns no motor are read as commands", "[haply]") {
     Naive host;
     host.set_up();
     host.torque(0.05, 0.05);
@@ -84,15 +84,14 @@ TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][
     CHECK_FALSE(host.board.torque() == Vec3{});  // the addresses are gone, the force is not
 }
 
-TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
+TEST_CASE("id 0 reaches every port that was not set up", "[haply]") {
     Naive host;
     host.send({2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
     CHECK(host.board.journal().id_0 == 1);
     CHECK_FALSE(host.board.torque() == Vec3{});
 }
 
-TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as commands",
-          "[haply][hazard]") {
+TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as commands", "[haply]") {
     Naive host;
     host.set_up();
     host.torque(0.01, 0.01);
@@ -102,7 +101,7 @@ TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as comm
     CHECK(std::fabs(host.board.torque().x) == kHaplyTorque);
 }
 
-TEST_CASE("a torque that is not a number gives an undefined duty", "[haply][hazard]") {
+TEST_CASE("a torque that is not a number gives an undefined duty", "[haply]") {
     Naive host;
     host.set_up();
     host.send({2, 5, 0, 0, 0xC0, 0x7F, 0, 0, 0, 0});
@@ -110,7 +109,7 @@ TEST_CASE("a torque that is not a number gives an undefined duty", "[haply][haza
     CHECK(std::fabs(host.board.torque().y) == kHaplyTorque);
 }
 
-TEST_CASE("a set-up is not acknowledged, and each one leaks", "[haply][hazard]") {
+TEST_CASE("a set-up is not acknowledged, and each one leaks", "[haply]") {
     Naive host;
     host.set_up();
     host.set_up();
@@ -120,7 +119,7 @@ TEST_CASE("a set-up is not acknowledged, and each one leaks", "[haply][hazard]")
     CHECK(host.heard().size() == 9);
 }
 
-TEST_CASE("motor directions go to the first slots, whatever the ports are", "[haply][hazard]") {
+TEST_CASE("motor directions go to the first slots, whatever the ports are", "[haply]") {
     Naive host;
     // Motors at ports 2 and 3: the directions land at slots 1 and 2, so port 3 keeps the default.
     const auto f = wire_bytes(4880.0F);
@@ -135,7 +134,7 @@ TEST_CASE("motor directions go to the first slots, whatever the ports are", "[ha
     CHECK(host.board.torque().y == 0.0);  // pivot 2 hangs at port 1
 }
 
-TEST_CASE("torques are clamped at 0.123 N m and cut to 12 bits", "[haply][law]") {
+TEST_CASE("torques are clamped at 0.123 N m and cut to 12 bits", "[haply]") {
     Naive host;
     host.set_up();
     Random random(3);
@@ -151,8 +150,7 @@ TEST_CASE("torques are clamped at 0.123 N m and cut to 12 bits", "[haply][law]")
     }
 }
 
-TEST_CASE("a counter starts at its offset and counts in the direction it was given",
-          "[haply][law]") {
+TEST_CASE("a counter starts at its offset and counts in the direction it was given", "[haply]") {
     Naive host;
     HaplySetup setup = haply_setup(*host.machine.haply, host.machine.pantograph);
     setup.offset_deg = {12.0, 168.0};
@@ -172,7 +170,7 @@ TEST_CASE("a counter starts at its offset and counts in the direction it was giv
 
 // Golden bytes as they are printed, written from the protocol's rules, section 2.1 of the facts on
 // devices; not captured from hardware.
-TEST_CASE("a set-up is the bytes that the makers' examples give", "[haply][golden]") {
+TEST_CASE("a set-up is the bytes that the makers' examples give", "[haply]") {
     const HaplySetup gen2{.id = 5,
                           .motor_clockwise = {true, false},
                           .encoder_clockwise = {true, false},
@@ -201,7 +199,7 @@ TEST_CASE("a set-up is the bytes that the makers' examples give", "[haply][golde
           "01 03 03 00 00 03 00 00 00 00 00 00 34 43 00 00 58 46 00 00 00 00 00 00 58 46");
 }
 
-TEST_CASE("torques, zero, reset and replies are the bytes of the table", "[haply][golden]") {
+TEST_CASE("torques, zero, reset and replies are the bytes of the table", "[haply]") {
     CHECK(hex_of(torque_packet(5, {0.05, -0.0125})->view()) == "02 05 CD CC 4C 3D CD CC 4C BC");
     CHECK(hex_of(torque_packet(5, {0.0, 0.0})->view()) == "02 05 00 00 00 00 00 00 00 00");
     CHECK(hex_of(torque_packet(5, {-0.0, -0.0})->view()) == "02 05 00 00 00 00 00 00 00 00");
@@ -237,7 +235,7 @@ TEST_CASE("id 0, foreign ports and pins, and torques beyond the board are refuse
     CHECK_THROWS_WITH(haply_setup(*good.haply, blind), Has("counts per turn of axis 1 is nan"));
 }
 
-TEST_CASE("a torque that is no finite float never becomes a packet", "[haply][law]") {
+TEST_CASE("a torque that is no finite float never becomes a packet", "[haply]") {
     const double bad =
         GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                  -std::numeric_limits<double>::infinity(), 1e300, -1e39);
@@ -245,7 +243,7 @@ TEST_CASE("a torque that is no finite float never becomes a packet", "[haply][la
     CHECK_FALSE(torque_packet(5, {0.0, bad}));
 }
 
-TEST_CASE("what is written as a float is read as that float", "[haply][law]") {
+TEST_CASE("what is written as a float is read as that float", "[haply]") {
     Random random(7);
     for (int i = 0; i < 20'000; ++i) {
         const double sign = random.coin() ? 1.0 : -1.0;
@@ -260,7 +258,7 @@ TEST_CASE("what is written as a float is read as that float", "[haply][law]") {
     }
 }
 
-TEST_CASE("a reply that cannot be is none, and one that can be is read back", "[haply][law]") {
+TEST_CASE("a reply that cannot be is none, and one that can be is read back", "[haply]") {
     Random random(11);
     for (int i = 0; i < 20'000; ++i) {
         const bool sensor = random.coin();

@@ -5,7 +5,7 @@
 using namespace palpate::engine;
 
 TEST_CASE("whatever answers take, every tick has a new reading, as old as the device says",
-          "[haply][law]") {
+          "[haply]") {
     EACH(trip, 0.0, 0.3e-3, 0.8e-3, 1.1e-3, 2.1e-3, 4.6e-3, 9.2e-3);
     Random random(29);
     HaplyBench bench;
@@ -35,7 +35,7 @@ TEST_CASE("whatever answers take, every tick has a new reading, as old as the de
 }
 
 TEST_CASE("answers that take too long for a force are refused, at first and after a reconnection",
-          "[haply][law]") {
+          "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.delay = 11e-3});
     CHECK_THROWS_WITH(bench.open(), Has("ms, too long for a force: use a port"));
@@ -55,7 +55,7 @@ TEST_CASE("answers that take too long for a force are refused, at first and afte
     CHECK(bench.device->traits().delay_ticks == 3.0);
 }
 
-TEST_CASE("each reading is as old as it says, however the board's answers come", "[haply][law]") {
+TEST_CASE("each reading is as old as it says, however the board's answers come", "[haply]") {
     SEEDED(random, 12U);
     HaplyBench bench;
     bench.board.set_faults({.delay = seed % 2 == 0 ? 0.3e-3 : 2.1e-3});
@@ -85,7 +85,7 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
 }
 
 TEST_CASE("a board that was late and then gone is opened anew, and says that its place is lost",
-          "[haply][law]") {
+          "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.delay = 0.3e-3});
     bench.open();
@@ -110,7 +110,7 @@ TEST_CASE("a board that was late and then gone is opened anew, and says that its
 }
 
 TEST_CASE("answers that became later in service are refused until they are quick again",
-          "[haply][law]") {
+          "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.delay = 0.3e-3});
     bench.open();
@@ -133,7 +133,7 @@ TEST_CASE("answers that became later in service are refused until they are quick
 }
 
 TEST_CASE("a board that failed is not back before its answers are as quick as they were",
-          "[haply][law]") {
+          "[haply]") {
     const bool silent = GENERATE(true, false);
     HaplyBench bench;
     bench.board.set_faults({.delay = 0.3e-3});
@@ -154,7 +154,7 @@ TEST_CASE("a board that failed is not back before its answers are as quick as th
 }
 
 TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoever saw it first",
-          "[haply][law]") {
+          "[haply]") {
     const bool seen_by_driver = GENERATE(true, false);
     HaplyBench bench;
     bench.open({.still = 0.05});
@@ -183,7 +183,7 @@ TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoev
 }
 
 TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that does not answer",
-          "[haply][law]") {
+          "[haply]") {
     OpenHaply bench({0.4, -0.5}, 20);
     const std::int64_t before = bench.cable.now_ns();
     SECTION("sound: its counts stay") {
@@ -225,7 +225,7 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
 }
 
 TEST_CASE("whoever else speaks to the board while nobody ticks is answered with zero at once",
-          "[haply][law]") {
+          "[haply]") {
     OpenHaply bench({0.4, -0.5}, 20);
     CHECK(bench.device->prove_zero());
     CHECK(bench.guard.repeats);
@@ -245,8 +245,7 @@ TEST_CASE("whoever else speaks to the board while nobody ticks is answered with 
     CHECK_FALSE(bench.guard.repeats);
 }
 
-TEST_CASE("no motor has a torque at a reset, whatever a program that died left behind",
-          "[haply][law]") {
+TEST_CASE("no motor has a torque at a reset, whatever a program that died left behind", "[haply]") {
     EACH(left, 5, 3, 9, 0);  // the id of its motors, 0: none any more
     HaplyBench bench;
     HaplySetup other = haply_setup(*bench.machine.haply, bench.machine.pantograph);
@@ -303,7 +302,7 @@ private:
 TEST_CASE(
     "an angle that is no whole count is refused, which of flipped bits leaves signs and powers of "
     "two",
-    "[haply][law]") {
+    "[haply]") {
     Random random(41);
     int flips = 0;
     int refused = 0;

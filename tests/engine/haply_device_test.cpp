@@ -14,7 +14,7 @@ TEST_CASE("after the set-up HIP is home", "[haply]") {
     CHECK(bench.device->traits().delay_ticks == 1.0);
 }
 
-TEST_CASE("the motors get the torques of the force, each at its own pivot", "[haply][law]") {
+TEST_CASE("the motors get the torques of the force, each at its own pivot", "[haply]") {
     const char* preset = GENERATE("gen3", "gen2", "haplet");
     HaplyBench bench(emulated_calibration(preset));
     bench.open();
@@ -42,8 +42,7 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
     }
 }
 
-TEST_CASE("no torque is sent before the board answered, and none that is not finite",
-          "[haply][law]") {
+TEST_CASE("no torque is sent before the board answered, and none that is not finite", "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.silent = true});
     CHECK_THROWS_WITH(bench.open(), Has("does not answer"));
@@ -61,7 +60,7 @@ TEST_CASE("no torque is sent before the board answered, and none that is not fin
     CHECK(bench.board.journal().undefined_duty == 0);
 }
 
-TEST_CASE("the first reading after a rest is not one from before it", "[haply][law]") {
+TEST_CASE("the first reading after a rest is not one from before it", "[haply]") {
     OpenHaply bench({}, 10);
     bench.plant.lead({0.03, 0.02});
     SECTION("a long one") {

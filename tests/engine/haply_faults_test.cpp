@@ -4,7 +4,7 @@
 
 using namespace palpate::engine;
 
-TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
+TEST_CASE("every way out ends with zero torque five times", "[haply]") {
     OpenHaply bench({0.5, -0.4}, 20);
     REQUIRE_FALSE(bench.board.torque() == Vec3{});
     SECTION("the destructor") {}
@@ -41,7 +41,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
 }
 
 TEST_CASE("an answer on its way at a rest is never taken for another: no garbage, no old reading",
-          "[haply][law]") {
+          "[haply]") {
     SEEDED(random, 60U);
     OpenHaply bench;
     const double delay = random.in(0.0, 9e-3);
@@ -67,7 +67,7 @@ TEST_CASE("an answer on its way at a rest is never taken for another: no garbage
     CHECK(asked_anew > 10);
 }
 
-TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply][law]") {
+TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply]") {
     OpenHaply bench({0.1, 0.0}, 10);
     bench.board.set_faults({.delay = 3.2e-3});
     const int exchanges = bench.board.journal().exchanges;
@@ -97,7 +97,7 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
     CHECK(bench.board.torque() == Vec3{});
 }
 
-TEST_CASE("an answer in pieces is put together", "[haply][law]") {
+TEST_CASE("an answer in pieces is put together", "[haply]") {
     OpenHaply bench;
     const int at_once = GENERATE(0, 1, 2, 5, 8);
     bench.board.set_faults({.at_once = at_once, .rest_delay = 1.1e-3});
@@ -117,7 +117,7 @@ TEST_CASE("an answer in pieces is put together", "[haply][law]") {
 }
 
 TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconnection mends it",
-          "[haply][law]") {
+          "[haply]") {
     OpenHaply bench({0.3, 0.3}, 10);
     bench.plant.lead({0.02, 0.04});
     bench.ticks({0.3, 0.3}, 3);
@@ -152,7 +152,7 @@ TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconn
 }
 
 TEST_CASE("unplugged and plugged in again it asks for the handle at home, then goes on",
-          "[haply][law]") {
+          "[haply]") {
     HaplyBench bench;
     bench.open({.still = 0.5});
     bench.ticks({0.3, 0.3}, 10);
@@ -192,7 +192,7 @@ TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
 }
 
 TEST_CASE("without a guard there is no force, and one that was started again gives it back",
-          "[haply][law]") {
+          "[haply]") {
     OpenHaply bench({0.3, 0.3}, 5);
     CHECK(bench.guard.force);
     DeviceFault expected = DeviceFault::unguarded;
@@ -223,8 +223,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     CHECK_THROWS_WITH(bench.open(), Has("no guard process"));
 }
 
-TEST_CASE("in five minutes of random faults the driver never sends what it must not",
-          "[haply][law]") {
+TEST_CASE("in five minutes of random faults the driver never sends what it must not", "[haply]") {
     SEEDED(random, std::uint64_t{30});
     HaplyBench bench;
     bench.open({.still = 0.05});
@@ -292,7 +291,7 @@ TEST_CASE("in five minutes of random faults the driver never sends what it must 
     CHECK(bench.board.journal().hot_resets == 0);
 }
 
-TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply][law]") {
+TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply]") {
     SEEDED(random, std::uint64_t{200});
     HaplyBench bench;
     bench.open({.still = 0.05});
@@ -312,7 +311,7 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
     CHECK(bench.board.journal().hot_resets == 0);
 }
 
-TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
+TEST_CASE("zero torque is sent though an answer is still due", "[haply]") {
     OpenHaply bench({0.3, 0.3}, 3);
     bench.board.set_faults({.delay = 10e-3});
     bench.ticks({0.3, 0.3}, 3);

@@ -22,7 +22,7 @@ std::unique_ptr<BoardDevice> patient(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
+TEST_CASE("read and write over a real port allocate nothing", "[haply]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const auto device = patient(board.path());
     const std::size_t before = allocations();
@@ -76,7 +76,7 @@ TEST_CASE("a board that does not answer over a real port is refused, and the por
     CHECK(patient(board.path())->read().ok());
 }
 
-TEST_CASE("a packet counts as sent only if all of it went out", "[haply][law]") {
+TEST_CASE("a packet counts as sent only if all of it went out", "[haply]") {
     const int board = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
     REQUIRE(board >= 0);
     REQUIRE(grantpt(board) == 0);

@@ -60,7 +60,7 @@ std::string refusal(const PantographSpec& spec, const std::vector<MarkReading>& 
 
 }  // namespace
 
-TEST_CASE("one mark gives both zeros exactly, several give them to half a count", "[homing][law]") {
+TEST_CASE("one mark gives both zeros exactly, several give them to half a count") {
     SEEDED(random, std::uint64_t{500});
     const Desk desk = any_desk(random, false);
     const double count = 2.0 * kPi / desk.known.axes[0].counts_per_turn;
@@ -76,8 +76,7 @@ TEST_CASE("one mark gives both zeros exactly, several give them to half a count"
     }
 }
 
-TEST_CASE("a person's aim is averaged: several marks are nearer to the truth than one",
-          "[homing][law]") {
+TEST_CASE("a person's aim is averaged: several marks are nearer to the truth than one") {
     double one_mark = 0.0;
     double many_marks = 0.0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -100,7 +99,7 @@ TEST_CASE("a person's aim is averaged: several marks are nearer to the truth tha
     CHECK(many_marks < 0.5 * one_mark);
 }
 
-TEST_CASE("three marks give the counts per turn as well", "[homing][law]") {
+TEST_CASE("three marks give the counts per turn as well") {
     SEEDED(random, std::uint64_t{300});
     const Desk desk = any_desk(random, true);
     const Homing found = find_home(desk.known, read_all(desk.real, kTriangle), true);
@@ -119,7 +118,7 @@ TEST_CASE("three marks give the counts per turn as well", "[homing][law]") {
     CHECK(glm::length(fix->hip - Vec2{0.015, 0.02}) < 40e-6);
 }
 
-TEST_CASE("readings that cannot be are refused with a number and a remedy", "[homing]") {
+TEST_CASE("readings that cannot be are refused with a number and a remedy") {
     Random random(3);
     const Desk desk = any_desk(random, false);
     std::vector<MarkReading> marks = read_all(desk.real, kTriangle);
@@ -166,7 +165,7 @@ TEST_CASE("readings that cannot be are refused with a number and a remedy", "[ho
     CHECK_THAT(refusal(desk.known, moving, false), Has("hold it still"));
 }
 
-TEST_CASE("the counts at a mark are averaged, and their span is kept", "[homing]") {
+TEST_CASE("the counts at a mark are averaged, and their span is kept") {
     MarkCounts counts;
     CHECK_THROWS_AS(counts.at({}), std::invalid_argument);
     counts.add({-5, 2'000'000'000});
@@ -179,8 +178,7 @@ TEST_CASE("the counts at a mark are averaged, and their span is kept", "[homing]
     CHECK(mark.span == Vec2{3.0, 3.0});
 }
 
-TEST_CASE("a driver that counts from the home pose is right after a calibration too",
-          "[homing][law]") {
+TEST_CASE("a driver that counts from the home pose is right after a calibration too") {
     int moved = 0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         Random random(seed);

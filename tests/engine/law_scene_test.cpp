@@ -27,8 +27,7 @@ std::vector<Vec2> rough_hand(std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K times the depth",
-          "[friction][scene][law]") {
+TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K times the depth") {
     const auto outline = ground();
     for (const LawTraits* const traits : all_laws()) {
         CAPTURE(traits->word);
@@ -65,8 +64,7 @@ TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K 
     }
 }
 
-TEST_CASE("a press straight down on a level ground has no friction, whatever the law",
-          "[friction][scene][law]") {
+TEST_CASE("a press straight down on a level ground has no friction, whatever the law") {
     // The travel is 0, for HIP's x is the same to the bit. Before the first travel no law but one
     // of random teeth pulls.
     Random random(7);
@@ -89,8 +87,7 @@ TEST_CASE("a press straight down on a level ground has no friction, whatever the
     }
 }
 
-TEST_CASE("on any object a law adds friction along the tangent to the frictionless force",
-          "[friction][scene][law]") {
+TEST_CASE("on any object a law adds friction along the tangent to the frictionless force") {
     for (const LawTraits* const traits : all_laws()) {
         for (std::uint64_t seed = 0; seed < 6; ++seed) {
             CAPTURE(traits->word, seed);
@@ -124,8 +121,7 @@ TEST_CASE("on any object a law adds friction along the tangent to the frictionle
     }
 }
 
-TEST_CASE("no episode with a passive law gives more energy than sampling leaks, whatever hand",
-          "[friction][scene][law]") {
+TEST_CASE("no episode with a passive law gives more energy than sampling leaks, whatever hand") {
     std::int64_t episodes = 0;
     for (const LawTraits* const traits : all_laws()) {
         if (!traits->passive) {
@@ -161,8 +157,7 @@ TEST_CASE("no episode with a passive law gives more energy than sampling leaks, 
     CHECK(episodes > 10'000);
 }
 
-TEST_CASE("a law that is not passive says so, and the ledger finds what it gave",
-          "[friction][scene][law]") {
+TEST_CASE("a law that is not passive says so, and the ledger finds what it gave") {
     // To and fro by 20 um in every tick, 4 mm deep: the force held pushes along each time.
     const auto outline = ground();
     for (const LawTraits* kind :
@@ -180,8 +175,7 @@ TEST_CASE("a law that is not passive says so, and the ledger finds what it gave"
     }
 }
 
-TEST_CASE("a law's ticks allocate nothing, give the same bits again, and bear any HIP",
-          "[friction][scene][law]") {
+TEST_CASE("a law's ticks allocate nothing, give the same bits again, and bear any HIP") {
     const auto outline = stimuli::make_outline({.curvature = -5.0});
     for (const LawTraits* const traits : all_laws()) {
         CAPTURE(traits->word);

@@ -43,7 +43,7 @@ std::vector<long double> samples() {
 
 }  // namespace
 
-TEST_CASE("the oracle proves its distance, and no sample of the curve beats it", "[oracle][law]") {
+TEST_CASE("the oracle proves its distance, and no sample of the curve beats it") {
     for (std::uint64_t seed = 0; seed < kCases; seed += 40) {
         const NastyCase nasty = nasty_case(seed);
         const FootOracle oracle(nasty.curve);
@@ -77,7 +77,7 @@ TEST_CASE("the oracle proves its distance, and no sample of the curve beats it",
     }
 }
 
-TEST_CASE("no nasty query is answered wrongly", "[contact][law]") {
+TEST_CASE("no nasty query is answered wrongly") {
     constexpr double kUlp = std::numeric_limits<double>::epsilon();
     int above_16_ulp = 0;
     double worst = 0.0;

@@ -33,8 +33,7 @@ double worst_error(const NurbsData<D>& data, double size) {
 
 }  // namespace
 
-TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definition says",
-          "[geometry][law]") {
+TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definition says") {
     SEEDED(random, 150U);
     const double size = random.decade(-6.0, 3.0);
     const double decades = seed % 3U == 0U ? 0.0 : 3.0;
@@ -44,7 +43,7 @@ TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definiti
     CHECK(1e15 * worst_error(random_nurbs<3>(random, size, decades), size) < 4.0);
 }
 
-TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
+TEST_CASE("derivatives are those of the definition") {
     SEED(60U);
     Random random(1000U + seed);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 0.5);
@@ -72,8 +71,7 @@ TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
 
 TEST_CASE(
     "a jet carried a step on is the curve's own: for polynomials up to degree 3 wherever the step "
-    "leads",
-    "[geometry][law]") {
+    "leads") {
     Random random(GENERATE(range(0U, 150U)));
     const double size = random.decade(-3.0, 0.0);
     const int degree = 1 + random.below(5);
@@ -101,7 +99,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("nine points and square roots of a half make an exact circle", "[geometry]") {
+TEST_CASE("nine points and square roots of a half make an exact circle") {
     const double r = 0.037;
     const double s = std::sqrt(0.5);  // Piegl & Tiller, example 7.1; clockwise, object inside
     const NurbsCurve<2> circle(
@@ -120,8 +118,7 @@ TEST_CASE("nine points and square roots of a half make an exact circle", "[geome
     }
 }
 
-TEST_CASE("what is no NURBS curve is refused with the place, the value and the remedy",
-          "[geometry]") {
+TEST_CASE("what is no NURBS curve is refused with the place, the value and the remedy") {
     const std::vector<Vec2> four{Vec2{0, 0}, Vec2{1, 0}, Vec2{1, 1}, Vec2{0, 1}};
     const auto refuse = [&four](int degree, const std::vector<double>& knots) {
         return NurbsCurve<2>(degree, knots, four);

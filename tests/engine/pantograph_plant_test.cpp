@@ -1,7 +1,10 @@
+#include <glm/vec4.hpp>
+
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/runge_kutta.hpp"
 
 using namespace palpate::engine;
 
@@ -21,7 +24,7 @@ PlantModel bare() {
 }
 
 /// The same machine by Lagrange's equation, from nothing but the handle's place: the kinetic
-/// energy's derivatives are differences, the integrator is Runge-Kutta of order 4.
+/// energy's derivatives are differences.
 class Lagrangian {
 public:
     Lagrangian(const PlantModel& model, const JointAngles& q, const Vec2& aim)
@@ -34,27 +37,14 @@ public:
                 model_.current_time > 0.0 ? std::exp(-t / model_.current_time) : 0.0;
             return command + left * away;
         };
-        const State a = slope(state_, at(0.0));
-        const State b = slope(sum(state_, a, 0.5 * dt), at(0.5 * dt));
-        const State c = slope(sum(state_, b, 0.5 * dt), at(0.5 * dt));
-        const State d = slope(sum(state_, c, dt), at(dt));
-        for (std::size_t i = 0; i < 4; ++i) {
-            state_[i] += dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-        }
+        state_ = palpate::tests::runge_kutta(
+            state_, dt, [&](const State& s, double t) { return slope(s, at(t)); });
         torque_ = at(dt);
     }
-    [[nodiscard]] double angle(std::size_t i) const { return state_[i]; }
+    [[nodiscard]] double angle(std::size_t i) const { return state_[static_cast<int>(i)]; }
 
 private:
-    using State = std::array<double, 4>;
-
-    static State sum(const State& a, const State& b, double times) {
-        State c{};
-        for (std::size_t i = 0; i < 4; ++i) {
-            c[i] = a[i] + times * b[i];
-        }
-        return c;
-    }
+    using State = glm::dvec4;  // both angles, both rates
 
     /// Intersection of two circles about the elbows.
     [[nodiscard]] Vec2 handle(double q1, double q2) const {
@@ -125,7 +115,7 @@ double kinetic_energy(const PantographPlant& plant) {
 
 }  // namespace
 
-TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
+TEST_CASE("the plant moves as Lagrange's equation says") {
     SEEDED(random, std::uint64_t{20});
     PlantModel model = bare();
     FiveBar& linkage = model.machine.linkage;
@@ -161,8 +151,7 @@ TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
     CHECK(worst < 1e-4 * moved);
 }
 
-TEST_CASE("without friction and hand the plant keeps its energy, and gains what the motors give",
-          "[plant][law]") {
+TEST_CASE("without friction and hand the plant keeps its energy, and gains what the motors give") {
     SEEDED(random, std::uint64_t{30});
     PantographPlant plant(bare());
     plant.begin(kStill);
@@ -185,8 +174,7 @@ TEST_CASE("without friction and hand the plant keeps its energy, and gains what 
     }
 }
 
-TEST_CASE("a joint that its motor cannot break loose stands still to the last bit",
-          "[plant][law]") {
+TEST_CASE("a joint that its motor cannot break loose stands still to the last bit") {
     PlantModel model = bare();
     model.coulomb = Vec2{5e-3, 8e-3};
     PantographPlant plant(model);
@@ -213,8 +201,7 @@ TEST_CASE("a joint that its motor cannot break loose stands still to the last bi
     CHECK(plant.angles() == rest);
 }
 
-TEST_CASE("what nobody holds rests and moves to the bit as in a hand without strength",
-          "[plant][law]") {
+TEST_CASE("what nobody holds rests and moves to the bit as in a hand without strength") {
     SEEDED(random, std::uint64_t{40});
     PlantModel model = bare();
     model.coulomb = random.coin() ? random.point(0.0, 2e-3) : Vec2{};
@@ -235,8 +222,7 @@ TEST_CASE("what nobody holds rests and moves to the bit as in a hand without str
     }
 }
 
-TEST_CASE("dry friction opposes every turning joint fully, and a resting one by what it needs",
-          "[plant][law]") {
+TEST_CASE("dry friction opposes every turning joint fully, and a resting one by what it needs") {
     for (std::uint64_t seed = 0; seed < 20000; ++seed) {
         Random random(seed);
         const double a = random.decade(-5.0, -2.0);
@@ -257,7 +243,7 @@ TEST_CASE("dry friction opposes every turning joint fully, and a resting one by 
     }
 }
 
-TEST_CASE("the current follows its command as exp(-t / tau), however time is cut", "[plant][law]") {
+TEST_CASE("the current follows its command as exp(-t / tau), however time is cut") {
     PlantModel model = bare();
     model.current_time = GENERATE(1e-6, 0.15e-3, 2e-3, 0.5);
     PantographPlant plant(model);
@@ -276,7 +262,7 @@ TEST_CASE("the current follows its command as exp(-t / tau), however time is cut
     }
 }
 
-TEST_CASE("the plant is the same machine at 1, 2 and 4 kHz", "[plant][law]") {
+TEST_CASE("the plant is the same machine at 1, 2 and 4 kHz") {
     PantographPlant slow({});
     slow.begin({.start = {0.0, 0.060}, .press_depth = 0.002});
     PantographPlant fast = slow;
@@ -297,8 +283,7 @@ TEST_CASE("the plant is the same machine at 1, 2 and 4 kHz", "[plant][law]") {
     CHECK(worst < 1e-10);  // cut elsewhere than at 250 us it would be 1e-4
 }
 
-TEST_CASE("whatever is commanded, the plant stays finite and within its torque limit",
-          "[plant][law]") {
+TEST_CASE("whatever is commanded, the plant stays finite and within its torque limit") {
     PantographPlant plant({});
     const double limit = plant.model().machine.axes[0].torque_limit;
     const double odd[] = {std::nan(""), std::numeric_limits<double>::infinity(), 1e300, -1e300, 0.0,
@@ -322,7 +307,7 @@ TEST_CASE("whatever is commanded, the plant stays finite and within its torque l
     }
 }
 
-TEST_CASE("a plant that cannot be is refused with its number", "[plant]") {
+TEST_CASE("a plant that cannot be is refused with its number") {
     PlantModel model;
     model.inertia.y = 0.0;
     CHECK_THROWS_WITH(PantographPlant(model), Has("inertia"));
@@ -334,7 +319,7 @@ TEST_CASE("a plant that cannot be is refused with its number", "[plant]") {
     CHECK_THROWS_WITH(PantographPlant(model), Has("free link 1 is -0.07"));
 }
 
-TEST_CASE("friction at the handle stops it as a mass on a plate is stopped", "[plant][law]") {
+TEST_CASE("friction at the handle stops it as a mass on a plate is stopped") {
     EACH(damping, 0.0, 0.5);
     EACH(force, 0.03, 0.1, 0.25);  // N; up to 0.04 it stands
     constexpr double kMass = 0.1;

@@ -35,8 +35,7 @@ Vec2 unit(double angle) {
 
 // Position quantum of one count and worst-direction force at 0.123 N m, as published for these
 // poses with the golden Jacobians of five_bar_test.cpp, to the digits given there.
-TEST_CASE("quantum and weakest force agree with the golden table of real devices",
-          "[device][golden]") {
+TEST_CASE("quantum and weakest force agree with the golden table of real devices") {
     struct Golden {
         PantographSpec spec;
         double t1, t2, largest_um, smallest_um, newton;
@@ -60,8 +59,7 @@ TEST_CASE("quantum and weakest force agree with the golden table of real devices
     }
 }
 
-TEST_CASE("the weakest force is possible in every direction, and no larger one is",
-          "[device][law]") {
+TEST_CASE("the weakest force is possible in every direction, and no larger one is") {
     SEEDED(random, std::uint64_t{300});
     const Pantograph machine(any_spec(random));
     const Vec2 hip{random.in(-0.03, 0.03), random.in(0.0, 0.05)};
@@ -81,8 +79,7 @@ TEST_CASE("the weakest force is possible in every direction, and no larger one i
     CHECK(beyond);
 }
 
-TEST_CASE("counts, angles and places go back and forth, however the frame is turned",
-          "[device][law]") {
+TEST_CASE("counts, angles and places go back and forth, however the frame is turned") {
     int reached = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         Random random(seed);
@@ -125,7 +122,7 @@ TEST_CASE("counts, angles and places go back and forth, however the frame is tur
     CHECK(reached > 500);
 }
 
-TEST_CASE("poses near a singular one, or in another working mode, are no places", "[device][law]") {
+TEST_CASE("poses near a singular one, or in another working mode, are no places") {
     PantographSpec spec;
     for (const double clearance : {0.0005, 0.001, 0.005}) {
         spec.clearance = clearance;
@@ -149,7 +146,7 @@ TEST_CASE("poses near a singular one, or in another working mode, are no places"
     CHECK_FALSE(machine.locate({kPi, 0.0}));  // elbows too far apart
 }
 
-TEST_CASE("counts of what is no angle stay within 32 bits", "[device]") {
+TEST_CASE("counts of what is no angle stay within 32 bits") {
     const Pantograph machine{PantographSpec{}};
     const double huge = std::numeric_limits<double>::max();
     CHECK(machine.counts({std::nan(""), 0.0})[0] == 0);
@@ -158,7 +155,7 @@ TEST_CASE("counts of what is no angle stay within 32 bits", "[device]") {
     CHECK((!far || std::isfinite(far->hip.x + far->hip.y)));
 }
 
-TEST_CASE("a machine that cannot be is refused with number and remedy", "[device]") {
+TEST_CASE("a machine that cannot be is refused with number and remedy") {
     PantographSpec spec;
     spec.axes[1].counts_per_turn = 0.0;
     CHECK_THROWS_WITH(Pantograph(spec), Has("counts per turn of axis 2 is 0: give"));
@@ -175,7 +172,7 @@ TEST_CASE("a machine that cannot be is refused with number and remedy", "[device
     CHECK_THROWS_WITH(check(calibration), Has("for two axes"));
 }
 
-TEST_CASE("many readings at once give each the bits that it has alone", "[device][law]") {
+TEST_CASE("many readings at once give each the bits that it has alone") {
     const auto same = [](double a, double b) {
         return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
     };

@@ -7,8 +7,7 @@ using namespace palpate::engine;
 
 // The table of the virtual wall's stability: m = 0.15 kg, T = 1 ms; roots of the exact
 // zero-order-hold polynomial, and the growth of a stepped wall beside them.
-TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polynomial",
-          "[passivity][golden]") {
+TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polynomial") {
     struct Row {
         double damping, virtual_damping;
         int delay;
@@ -36,7 +35,7 @@ TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polyno
     }
 }
 
-TEST_CASE("with the delay that is spare the damping is just what is needed", "[passivity][law]") {
+TEST_CASE("with the delay that is spare the damping is just what is needed") {
     SEEDED(random, std::uint64_t{50});
     const double stiffness = random.in(50.0, 4000.0);
     const double period = 1.0 / random.in(1000.0, 10000.0);
@@ -47,8 +46,7 @@ TEST_CASE("with the delay that is spare the damping is just what is needed", "[p
     CHECK(min_damping(stiffness, period, delay + spare, contact) == Approx(device));
 }
 
-TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further",
-          "[passivity][law]") {
+TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further") {
     EACH(period, 1e-3, 0.25e-3, 0.1e-3);
     EACH(delay, 0, 1);
     const DeviceWall wall = fine_wall(0.5, period, delay);
@@ -58,8 +56,7 @@ TEST_CASE("the simulated pantograph on a wall is stable up to the passivity boun
     CHECK(std::fabs(measured / passive_stiffness(scalar) - 1.0) < 1e-3);
 }
 
-TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at any rate",
-          "[passivity][law]") {
+TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at any rate") {
     SEEDED(random, std::uint64_t{60});
     const double period = 1.0 / random.in(1000.0, 10000.0);
     PantographModel model;
@@ -92,8 +89,7 @@ TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at an
 }
 
 TEST_CASE(
-    "a machine whose counts show rests if its dry friction is above K times a reading's error",
-    "[passivity][law]") {
+    "a machine whose counts show rests if its dry friction is above K times a reading's error") {
     EACH(period, 1e-3, 0.25e-3);
     EACH(delay, 0, 1);
     EACH(share, 1.5, 3.0);
@@ -112,8 +108,7 @@ TEST_CASE(
     CHECK(let_go(wall, 4.0).speed < 1e-9);
 }
 
-TEST_CASE("the friction that lets a machine rest, bisected, is within the formula and near it",
-          "[passivity][law]") {
+TEST_CASE("the friction that lets a machine rest, bisected, is within the formula and near it") {
     CountedWall wall{.counts_per_turn = 65536.0};
     wall.damping = 1.5 * min_damping(wall.stiffness, wall.period, 0);
     const double formula =

@@ -8,8 +8,7 @@
 // What palpate_stress found, one case a finding, and the law around it.
 using namespace palpate::engine;
 
-TEST_CASE("straight below the end of one edge the foot on the other is not missed",
-          "[contact][law]") {
+TEST_CASE("straight below the end of one edge the foot on the other is not missed") {
     SEEDED(random, std::uint64_t{300});
     const double heading = random.in(-kPi, kPi);
     const double turn = -random.in(0.05, 3.0);  // convex
@@ -27,8 +26,7 @@ TEST_CASE("straight below the end of one edge the foot on the other is not misse
     }
 }
 
-TEST_CASE("a hand that goes in over a vertex along the normal of its edge finds the other edge",
-          "[contact]") {
+TEST_CASE("a hand that goes in over a vertex along the normal of its edge finds the other edge") {
     // palpate_stress, seed 195: a triangle of 1 mm, the vertex at its bottom, two ticks.
     const auto outline =
         polyline({Vec2{0.0, 0.0}, Vec2{5.699779455544924e-05, -0.0008735843578463035},
@@ -43,7 +41,7 @@ TEST_CASE("a hand that goes in over a vertex along the normal of its edge finds 
     }
 }
 
-TEST_CASE("repeated control points at an end are no cusp, and a fold is one", "[geometry]") {
+TEST_CASE("repeated control points at an end are no cusp, and a fold is one") {
     const Vec2 a{0.0, 0.0};
     const Vec2 b{0.03, 0.02};
     const Vec2 c{0.08, -0.01};
@@ -62,7 +60,7 @@ TEST_CASE("repeated control points at an end are no cusp, and a fold is one", "[
     CHECK(turns[0] == Approx(0.5).epsilon(1e-9));
 }
 
-TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve", "[vertex]") {
+TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve") {
     // C = (3 gap t + t^3, t^2) up to scale: |C'| = 3 gap at the tip, far below |C''|, and no cusp.
     const double gap = 1e-9;
     const std::vector<Vec2> points{Vec2{-1.0, 1.0}, Vec2{1.0 - gap, -0.5}, Vec2{-1.0 + gap, -0.5},
@@ -87,7 +85,7 @@ TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve
     }
 }
 
-TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out", "[contact]") {
+TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out") {
     SEEDED(random, std::uint64_t{300});
     const double turn = (random.coin() ? 1.0 : -1.0) * random.decade(-8.5, -6.0);
     const Vec2 out{std::cos(turn), std::sin(turn)};
@@ -99,8 +97,8 @@ TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out
     CHECK_FALSE(feet.closest(beside + Vec2{0.0, depth}).inside);
 }
 
-TEST_CASE("left of an open end whose control points repeat nothing is felt, however light the rest",
-          "[contact][law]") {
+TEST_CASE(
+    "left of an open end whose control points repeat nothing is felt, however light the rest") {
     // Worst found by search: weights 0.0107 and 1000, felt at 11 of 40 distances along the normal
     // of the end.
     SEEDED(random, std::uint64_t{200}, 2912);

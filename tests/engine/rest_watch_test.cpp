@@ -55,8 +55,7 @@ public:
 
 }  // namespace
 
-TEST_CASE("while nothing is felt a jump and a speed that no hand has are found, and no hand is",
-          "[safety][law]") {
+TEST_CASE("while nothing is felt a jump and a speed that no hand has are found, and no hand is") {
     Rest hand;  // 1.4 m/s
     for (int i = 0; i < 1000; ++i) {
         REQUIRE(hand.at(1.4e-3 * i) == Trip::none);
@@ -72,8 +71,7 @@ TEST_CASE("while nothing is felt a jump and a speed that no hand has are found, 
     CHECK(found == Trip::over_speed);
 }
 
-TEST_CASE("where a hand went unseen it may have gone at its speed, and a rest begins where it is",
-          "[safety][law]") {
+TEST_CASE("where a hand went unseen it may have gone at its speed, and a rest begins where it is") {
     Rest rest;
     for (int i = 0; i < 20; ++i) {  // what was read before the rest is given again
         REQUIRE(rest.at(-0.1, false) == Trip::none);
@@ -95,8 +93,8 @@ TEST_CASE("where a hand went unseen it may have gone at its speed, and a rest be
     CHECK(rest.at(0.081) == Trip::jump);
 }
 
-TEST_CASE("an encoder that jumps between trials ends the next one in its first tick, with no force",
-          "[servo][safety][law]") {
+TEST_CASE(
+    "an encoder that jumps between trials ends the next one in its first tick, with no force") {
     Lying device;
     ThreadServo servo(device, {.limits = {.ramp_step = 1.0, .speed = 1.5, .jump = 0.010},
                                .realtime = RealtimeWish::nothing()});

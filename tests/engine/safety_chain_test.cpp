@@ -4,7 +4,7 @@
 
 using namespace palpate::engine;
 
-TEST_CASE("no command is stronger than the limit, and its direction is kept", "[safety][law]") {
+TEST_CASE("no command is stronger than the limit, and its direction is kept") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.max_force = random.in(0.5, 10.0), .ramp_step = 1.0};
     SafetyState gate;
@@ -23,7 +23,7 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept", "[
     }
 }
 
-TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safety][law]") {
+TEST_CASE("the ramp takes as long as asked, on and off, and never jumps") {
     const SafetyLimits limits{.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)};
     SafetyState gate;
     const Vec3 force{3.0, -4.0, 0.0};
@@ -42,7 +42,7 @@ TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safe
     CHECK(glm::length(make_safe(gate, limits, {.force = force, .enable = false}).force) < 1e-12);
 }
 
-TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]") {
+TEST_CASE("a trial that starts inside the object feels no kick") {
     SEEDED(random, std::uint64_t{50});
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 0.1)};
@@ -54,8 +54,7 @@ TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]"
     }
 }
 
-TEST_CASE("a command changes no faster than the slew limit, within the force limit",
-          "[safety][law]") {
+TEST_CASE("a command changes no faster than the slew limit, within the force limit") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 1.0),
@@ -78,7 +77,7 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
     }
 }
 
-TEST_CASE("a step of the force arrives at the pace of the slew limit and says so", "[safety]") {
+TEST_CASE("a step of the force arrives at the pace of the slew limit and says so") {
     const SafetyLimits limits{.ramp_step = 1.0, .slew = 2.0};
     SafetyState state;
     for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
@@ -88,7 +87,7 @@ TEST_CASE("a step of the force arrives at the pace of the slew limit and says so
     }
 }
 
-TEST_CASE("a force that is not finite latches with zero from then on", "[safety][law]") {
+TEST_CASE("a force that is not finite latches with zero from then on") {
     const double bad =
         GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                  -std::numeric_limits<double>::infinity(), 1e200);
@@ -108,8 +107,7 @@ TEST_CASE("a force that is not finite latches with zero from then on", "[safety]
     CHECK(later.force == Vec3{});
 }
 
-TEST_CASE("what device or scene report switches off in the same tick, with that cause",
-          "[safety][law]") {
+TEST_CASE("what device or scene report switches off in the same tick, with that cause") {
     const Trip found = GENERATE(Trip::scene_refused, Trip::device_lost, Trip::device_silent,
                                 Trip::device_garbage, Trip::out_of_workspace);
     SafetyState state;
@@ -120,7 +118,7 @@ TEST_CASE("what device or scene report switches off in the same tick, with that 
     CHECK(c.force == Vec3{});
 }
 
-TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[safety][law]") {
+TEST_CASE("a trip keeps its first cause and gives zero until the next trial") {
     SEEDED(random, std::uint64_t{60});
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
     SafetyState state;
@@ -147,7 +145,7 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[
     CHECK((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).trip == Trip::none));
 }
 
-TEST_CASE("letting go switches off, where a dead-man switch is asked for", "[safety]") {
+TEST_CASE("letting go switches off, where a dead-man switch is asked for") {
     const bool asked = GENERATE(false, true);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = asked};
@@ -157,8 +155,7 @@ TEST_CASE("letting go switches off, where a dead-man switch is asked for", "[saf
     CHECK(c.force.x == (asked ? 0.0 : 1.0));
 }
 
-TEST_CASE("a stop by hand and a window without the keyboard switch off at once, with their cause",
-          "[safety]") {
+TEST_CASE("a stop by hand and a window without the keyboard switch off at once, with their cause") {
     const Trip why = GENERATE(Trip::stopped, Trip::focus_lost);
     const bool enable = GENERATE(true, false);  // also in the ramp out
     SafetyState state;
@@ -170,8 +167,7 @@ TEST_CASE("a stop by hand and a window without the keyboard switch off at once, 
     CHECK(c.force == Vec3{});
 }
 
-TEST_CASE("a device without a new reading trips after the ticks allowed, not before",
-          "[safety][law]") {
+TEST_CASE("a device without a new reading trips after the ticks allowed, not before") {
     EACH(run, 1, 2, 10, 100);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0, .silent_run = run};
@@ -188,8 +184,7 @@ TEST_CASE("a device without a new reading trips after the ticks allowed, not bef
     CHECK((make_safe(state, limits, {.fresh = false}).trip == Trip::device_silent));
 }
 
-TEST_CASE("where no new reading comes there is no force until one does, and then it ramps in",
-          "[safety][law]") {
+TEST_CASE("where no new reading comes there is no force until one does, and then it ramps in") {
     Random random(static_cast<std::uint64_t>(GENERATE(range(1, 20))));
     const std::int32_t quiet = 1 + random.below(20);
     const double step = random.in(0.01, 1.0);
@@ -226,8 +221,7 @@ TEST_CASE("where no new reading comes there is no force until one does, and then
     }
 }
 
-TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once",
-          "[safety][law]") {
+TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once") {
     SEEDED(random, std::uint64_t{400});
     const auto perhaps = [&](double value) {
         return random.coin() ? value : std::numeric_limits<double>::infinity();

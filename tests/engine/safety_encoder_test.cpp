@@ -38,7 +38,7 @@ Vec2 on_arc(const Vec2& middle, double radius, double from, double to, double t)
 
 }  // namespace
 
-TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safety][law]") {
+TEST_CASE("coarse encoders under a slow hand are never taken for stuck") {
     SEEDED(random, std::uint64_t{30});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
@@ -53,7 +53,7 @@ TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safet
     CHECK((state.trip == Trip::none));
 }
 
-TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][law]") {
+TEST_CASE("a hand led along an arc is not taken for a stuck encoder") {
     SEEDED(random, std::uint64_t{30});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
@@ -72,8 +72,7 @@ TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][
     CHECK((state.trip == Trip::none));
 }
 
-TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes",
-          "[safety][law]") {
+TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes") {
     const auto seed = GENERATE(seeds(std::uint64_t{20}));
     const std::size_t axis = GENERATE(0U, 1U);
     CAPTURE(seed, axis);
@@ -109,8 +108,7 @@ TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes
     CHECK(way < 0.08);
 }
 
-TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck encoder",
-          "[safety]") {
+TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck encoder") {
     const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
     SafetyState state;
     for (int k = 0; k < 100000; ++k) {  // 8 mm to and fro, one axis alone: a tangent of its circle
@@ -121,8 +119,7 @@ TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck en
     CHECK((state.trip == Trip::none));
 }
 
-TEST_CASE("encoders that all stand still under a force end it within 0.3 s, whatever the force",
-          "[safety][law]") {
+TEST_CASE("encoders that all stand still under a force end it within 0.3 s, whatever the force") {
     SEEDED(random, std::uint64_t{40});
     const int axes = random.coin() ? 2 : 3;
     const SafetyLimits limits{
@@ -147,8 +144,7 @@ TEST_CASE("encoders that all stand still under a force end it within 0.3 s, what
     FAIL("the force never ended");
 }
 
-TEST_CASE("a hand that rests within a count keeps its force, which eases until it moves one",
-          "[safety][law]") {
+TEST_CASE("a hand that rests within a count keeps its force, which eases until it moves one") {
     SEEDED(random, std::uint64_t{60});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = random.decade(-2.3, 0.0), .watch_encoders = true};

@@ -22,9 +22,28 @@ Trip stall(SafetyState& state, const SafetyLimits& limits, int periods) {
     return trip;
 }
 
+double rounded_to(double value, double step) {
+    return std::floor(value / step + 0.5) * step;
+}
+
+/// First tick that trips a hand of `speed` m/s, read in steps of `count` m; -1: none in `ticks`.
+int trips_at(const SafetyLimits& limits, double speed, double angle, double count, int ticks) {
+    SafetyState state;
+    for (int k = 0; k < ticks; ++k) {
+        const double way = speed * k * limits.period;
+        const Vec2 hip{rounded_to(way * std::cos(angle), count),
+                       rounded_to(way * std::sin(angle), count)};
+        const Command c = make_safe(state, limits, {.hip = Vec3(hip, 0.0)});
+        if (c.trip != Trip::none) {
+            return c.trip == Trip::over_speed ? k : -2;
+        }
+    }
+    return -1;
+}
+
 }  // namespace
 
-TEST_CASE("late ticks in a row trip at the number allowed, not before", "[safety][law]") {
+TEST_CASE("late ticks in a row trip at the number allowed, not before") {
     EACH(run, 1, 2, 20);
     EACH(lateness, 0.51, 1.0, 1.4);
     const SafetyLimits limits{.ramp_step = 1.0, .late_run = run};
@@ -42,8 +61,7 @@ TEST_CASE("late ticks in a row trip at the number allowed, not before", "[safety
     CHECK((late_by(state, limits, lateness) == Trip::late));
 }
 
-TEST_CASE("a tick that is late by k periods counts as k, and catching up counts as nothing more",
-          "[safety][law]") {
+TEST_CASE("a tick that is late by k periods counts as k, and catching up counts as nothing more") {
     const SafetyLimits limits{.ramp_step = 1.0, .late_run = 20};
     for (int periods = 1; periods < 40; ++periods) {
         CAPTURE(periods);
@@ -59,8 +77,7 @@ TEST_CASE("a tick that is late by k periods counts as k, and catching up counts 
     }
 }
 
-TEST_CASE("late ticks among the last hundred trip at the share allowed, not before",
-          "[safety][law]") {
+TEST_CASE("late ticks among the last hundred trip at the share allowed, not before") {
     SEEDED(random, std::uint64_t{60});
     const SafetyLimits limits{.ramp_step = 1.0, .late_share = 1 + random.below(60)};
     const double rate = random.in(0.0, 1.0);
@@ -82,7 +99,7 @@ TEST_CASE("late ticks among the last hundred trip at the share allowed, not befo
     }
 }
 
-TEST_CASE("a wake-up of any lateness is some periods between none and the window", "[safety]") {
+TEST_CASE("a wake-up of any lateness is some periods between none and the window") {
     CHECK(periods_late(0, 1e-3) == 0);
     CHECK(periods_late(500'000, 1e-3) == 0);
     CHECK(periods_late(510'000, 1e-3) == 1);
@@ -93,8 +110,7 @@ TEST_CASE("a wake-up of any lateness is some periods between none and the window
     CHECK(periods_late(INT64_MIN, 1e-4) == 0);
 }
 
-TEST_CASE("readings that became older than the stiffness allows trip when the mean says so",
-          "[safety][law]") {
+TEST_CASE("readings that became older than the stiffness allows trip when the mean says so") {
     SEEDED(random, std::uint64_t{60});
     const double period = random.coin() ? 1e-3 : 2.5e-4;
     const double behind = 1.0 + random.below(5);
@@ -119,7 +135,7 @@ TEST_CASE("readings that became older than the stiffness allows trip when the me
     }
 }
 
-TEST_CASE("answers that a busy machine keeps back now and then are no delay", "[safety][law]") {
+TEST_CASE("answers that a busy machine keeps back now and then are no delay") {
     SEEDED(random, std::uint64_t{20});
     const SafetyLimits limits{.ramp_step = 1.0, .spare_delay = 0.5};
     SafetyState state;
@@ -134,31 +150,7 @@ TEST_CASE("answers that a busy machine keeps back now and then are no delay", "[
     }
 }
 
-namespace {
-
-double rounded_to(double value, double step) {
-    return std::floor(value / step + 0.5) * step;
-}
-
-/// First tick that trips a hand of `speed` m/s, read in steps of `count` m; -1: none in `ticks`.
-int trips_at(const SafetyLimits& limits, double speed, double angle, double count, int ticks) {
-    SafetyState state;
-    for (int k = 0; k < ticks; ++k) {
-        const double way = speed * k * limits.period;
-        const Vec2 hip{rounded_to(way * std::cos(angle), count),
-                       rounded_to(way * std::sin(angle), count)};
-        const Command c = make_safe(state, limits, {.hip = Vec3(hip, 0.0)});
-        if (c.trip != Trip::none) {
-            return c.trip == Trip::over_speed ? k : -2;
-        }
-    }
-    return -1;
-}
-
-}  // namespace
-
-TEST_CASE("a hand above the speed limit trips within the window, and one below it never",
-          "[safety][law]") {
+TEST_CASE("a hand above the speed limit trips within the window, and one below it never") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{
         .period = 1e-3 / (1 + random.below(10)), .ramp_step = 1.0, .speed = random.in(0.3, 2.0)};
@@ -173,7 +165,7 @@ TEST_CASE("a hand above the speed limit trips within the window, and one below i
     CHECK(at <= window);
 }
 
-TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s", "[safety]") {
+TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s") {
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 0.05, .jump = 0.01};
     SafetyState state;
     for (int k = 0; k < 500; ++k) {  // dithers by a count: 0.1 m/s from tick to tick
@@ -181,7 +173,7 @@ TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s", "[safety]
     }
 }
 
-TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
+TEST_CASE("a jump between two fresh readings trips at once") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.ramp_step = 1.0, .jump = random.in(0.001, 0.02)};
     SafetyState state;
@@ -201,7 +193,7 @@ TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
     CHECK(c.force == Vec3{});
 }
 
-TEST_CASE("old readings and late ticks give the hand the time it really had", "[safety][law]") {
+TEST_CASE("old readings and late ticks give the hand the time it really had") {
     SEEDED(random, std::uint64_t{200});
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.0015};
     const double speed = 0.95;  // below both limits at any moment
@@ -223,8 +215,7 @@ TEST_CASE("old readings and late ticks give the hand the time it really had", "[
     }
 }
 
-TEST_CASE("a trial that begins with an old reading takes its way from the first fresh one",
-          "[safety][law]") {
+TEST_CASE("a trial that begins with an old reading takes its way from the first fresh one") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.01};
     SafetyState state;
@@ -243,7 +234,7 @@ TEST_CASE("a trial that begins with an old reading takes its way from the first 
     CHECK((make_safe(state, limits, {.hip = Vec3(hip, 0.0)}).trip == Trip::jump));
 }
 
-TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
+TEST_CASE("motors trip when the first-order model says so") {
     // theta(t) = load^2 (1 - exp(-t / tau)) reaches 1 at t = -tau ln(1 - 1 / load^2).
     EACH(load, 1.05, 1.2, 2.0, 5.0);
     EACH(step, 1e-4, 1e-3, 1e-2);
@@ -260,7 +251,7 @@ TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
     CHECK(std::fabs(ticks - expected) <= 1.0 + 1e-3 * expected);
 }
 
-TEST_CASE("a load that the motors can bear for ever never trips", "[safety][law]") {
+TEST_CASE("a load that the motors can bear for ever never trips") {
     SEEDED(random, std::uint64_t{50});
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = random.decade(-4.0, 3.0)};
     SafetyState state;
@@ -271,7 +262,7 @@ TEST_CASE("a load that the motors can bear for ever never trips", "[safety][law]
     }
 }
 
-TEST_CASE("the heat model is the exponential to third order, and stable for any step", "[safety]") {
+TEST_CASE("the heat model is the exponential to third order, and stable for any step") {
     for (double step = 1e-6; step < 1e6; step *= 2.0) {
         CAPTURE(step);
         const Vec3 heat = heated({0.8, 0.0, 0.0}, {0.0, 1.0, 0.0}, step);
@@ -281,7 +272,7 @@ TEST_CASE("the heat model is the exponential to third order, and stable for any 
     }
 }
 
-TEST_CASE("motors stay warm from trial to trial and cool in between", "[safety][law]") {
+TEST_CASE("motors stay warm from trial to trial and cool in between") {
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = 1e-3};  // tau = 1 s
     SafetyState state;
     while (make_safe(state, limits, {.load = {2.0, 0.0, 0.0}}).trip == Trip::none) {
@@ -296,8 +287,7 @@ TEST_CASE("motors stay warm from trial to trial and cool in between", "[safety][
     CHECK(fresh_state(state, {}, INFINITY).heat.x == 0.0);
 }
 
-TEST_CASE("a screen without a sign of life for longer than allowed switches off, not before",
-          "[safety][law]") {
+TEST_CASE("a screen without a sign of life for longer than allowed switches off, not before") {
     SEEDED(random, std::uint64_t{40});
     const SafetyLimits limits{.ramp_step = 1.0, .screen_silence = random.in(0.05, 1.0)};
     SafetyState state;
@@ -315,8 +305,8 @@ TEST_CASE("a screen without a sign of life for longer than allowed switches off,
     CHECK(c.force == Vec3{});
 }
 
-TEST_CASE("the force ends with its time by the servo's own count, and a ramp out may end after it",
-          "[safety][law]") {
+TEST_CASE(
+    "the force ends with its time by the servo's own count, and a ramp out may end after it") {
     SEEDED(random, std::uint64_t{20});
     const double period = random.coin() ? 1e-3 : 2.5e-4;
     const int ticks = 20 + random.below(400);
@@ -332,7 +322,7 @@ TEST_CASE("the force ends with its time by the servo's own count, and a ramp out
     CHECK(c.force == Vec3{});
 }
 
-TEST_CASE("every trip says what happened and what to do", "[safety]") {
+TEST_CASE("every trip says what happened and what to do") {
     for (int i = 1; i <= static_cast<int>(Trip::stopped); ++i) {
         const auto trip = static_cast<Trip>(i);
         CAPTURE(to_string(trip));

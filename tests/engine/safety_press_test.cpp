@@ -111,73 +111,6 @@ PressedWall light_hand(double stiffness) {
             .limits = {.max_force = 10.0, .ramp_step = 0.005, .watch_buzz = true}};
 }
 
-}  // namespace
-
-TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{200});
-    const double phase = random.in(0.0, 6.28);
-    const double period = 1e-3 / (1 + random.below(4));
-    const double step = random.decade(-7.0, -4.6);
-    const double hz = random.in(kBuzzFrequency + 1.0, 60.0);
-    const double swing = 2.0 * step + 1.2 * std::fmax(kBuzzSwing, 0.5 * kBuzzSpeed / hz);
-    const double at = found_at(hz, swing, phase, period, step);
-    CHECK(at > (kBuzzCycles - 1) / hz);
-    CHECK(at <= (kBuzzCycles + 2.0) / hz);
-    CHECK(found_at(random.in(0.5, kBuzzFrequency - 1.0), random.in(0.0, 0.02), phase, period,
-                   step) < 0.0);
-    CHECK(found_at(hz, 0.9 * kBuzzSwing - 2.0 * step, phase, period, step) < 0.0);
-}
-
-TEST_CASE("tremor and taps of a hand are no buzz", "[safety]") {
-    CHECK(found_at(12.0, 0.0003, 0.0, 1e-3, 1e-5) < 0.0);  // the widest tremor
-    CHECK(found_at(8.0, 0.010, 0.0, 1e-3, 1e-4) < 0.0);    // the quickest taps
-    CHECK(found_at(18.0, 0.0035, 0.0, 1e-3, 1e-4) > 0.0);  // 0.14 m/s rms: seen on a bench
-}
-
-TEST_CASE("a stiff wall under a light hand on a light handle is ended within half a second",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{40});
-    PressedWall wall = light_hand(1000.0);
-    if (seed > 0) {  // the bench's own case, and what is near it
-        wall.handle = random.in(0.035, 0.055);
-        wall.hand_k = random.in(90.0, 150.0);
-        wall.hand_b = random.in(0.2, 0.6);
-        wall.press = random.in(0.005, 0.008);
-    }
-    const auto course = wall.run(3.0);
-    CHECK((course.trip == Trip::buzz));
-    CHECK(course.tripped_s - course.touched_s <= 0.5);
-    CHECK(course.command == 0.0);
-}
-
-TEST_CASE("a press at 200 N/m never buzzes, however the handle is held", "[safety][law]") {
-    SEEDED(random, std::uint64_t{60});
-    PressedWall wall = light_hand(200.0);
-    if (seed > 0) {
-        wall.handle = random.in(0.05, 0.3);
-        wall.hand_k = random.in(50.0, 500.0);
-        wall.hand_b = random.in(0.5, 8.0);
-        wall.press = random.in(0.001, 0.015);
-        wall.approach = random.in(0.02, 0.4);
-        wall.tap_hz = random.in(0.0, 12.0);
-        wall.tap = wall.tap_hz < 8.0 ? random.in(0.0, 0.004) : random.in(0.0, 0.00015);
-    }
-    CHECK((wall.run(3.0).trip == Trip::none));
-}
-
-TEST_CASE("a wall that is damped enough rings when it is struck, and is let be", "[safety][law]") {
-    SEEDED(random, std::uint64_t{60});
-    PressedWall wall = light_hand(1000.0);
-    wall.handle = random.in(0.05, 0.3);
-    wall.hand_b = random.in(2.5, 8.0);  // K T (1/2 + d) is 1.5 N s/m
-    wall.hand_k = random.in(50.0, 500.0);
-    wall.approach = random.in(0.02, 0.4);
-    CHECK((wall.run(3.0).trip == Trip::none));
-}
-
-namespace {
-
 using Machine = std::array<Vec2, 2>;
 
 /// What a 2DIY of the third generation at 135 and 20 degrees makes of a force when its motors get
@@ -211,48 +144,6 @@ PressedWall pressed(const Machine& machine, const Vec2& side, double hand, doubl
             .limits = {.max_force = 1.5, .ramp_step = 0.005, .watch_runaway = true}};
 }
 
-}  // namespace
-
-TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{40});
-    // Of a light hand to one that just gives way: 200 N/m pull against it.
-    const double hand = seed == 0 ? 60.0 : random.in(50.0, 180.0);
-    const double press = random.in(0.008, 0.012);
-    for (const Vec2& side : {Vec2{-kHalf, kHalf}, Vec2{kHalf, kHalf}}) {
-        const auto course = pressed(kBoth, side, hand, press).run(3.0);
-        CHECK((course.trip == Trip::runaway));
-        CHECK(course.tripped_s - course.full_s <= 0.050);
-        CHECK(course.command == 0.0);
-    }
-}
-
-TEST_CASE("a reversed or swapped motor is found on one side of an object at least",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{40});
-    const double hand = seed == 0 ? 60.0 : random.in(50.0, 120.0);
-    for (const Machine& machine : {kFirst, kSecond, kSwapped}) {
-        int found = 0;
-        for (const Vec2& side : {Vec2{-kHalf, kHalf}, Vec2{kHalf, kHalf}}) {
-            const auto course = pressed(machine, side, hand, 0.016).run(3.0);
-            found += course.trip == Trip::runaway ? 1 : 0;
-        }
-        CHECK(found >= 1);
-    }
-}
-
-TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses",
-          "[safety][law]") {
-    SEEDED(random, std::uint64_t{60});
-    PressedWall wall = pressed(Machine{Vec2{1.0, 0.0}, Vec2{0.0, 1.0}}, {0.0, 1.0},
-                               random.in(60.0, 600.0), random.in(0.0, 0.04));
-    wall.approach = random.in(0.02, 0.4);
-    wall.stiffness = random.in(100.0, 400.0);
-    CHECK((wall.run(3.0).trip == Trip::none));
-}
-
-namespace {
-
 /// Whether a handle trips that comes at `came` m/s and from `at` m on goes on at `on` m/s, by a
 /// command that is full from there on or never, read once a ms in steps of 0.1 mm.
 bool trips(double came, double on, double at, bool full = true) {
@@ -271,8 +162,103 @@ bool trips(double came, double on, double at, bool full = true) {
 
 }  // namespace
 
-TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway",
-          "[safety][law]") {
+TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never") {
+    SEEDED(random, std::uint64_t{200});
+    const double phase = random.in(0.0, 6.28);
+    const double period = 1e-3 / (1 + random.below(4));
+    const double step = random.decade(-7.0, -4.6);
+    const double hz = random.in(kBuzzFrequency + 1.0, 60.0);
+    const double swing = 2.0 * step + 1.2 * std::fmax(kBuzzSwing, 0.5 * kBuzzSpeed / hz);
+    const double at = found_at(hz, swing, phase, period, step);
+    CHECK(at > (kBuzzCycles - 1) / hz);
+    CHECK(at <= (kBuzzCycles + 2.0) / hz);
+    CHECK(found_at(random.in(0.5, kBuzzFrequency - 1.0), random.in(0.0, 0.02), phase, period,
+                   step) < 0.0);
+    CHECK(found_at(hz, 0.9 * kBuzzSwing - 2.0 * step, phase, period, step) < 0.0);
+}
+
+TEST_CASE("tremor and taps of a hand are no buzz") {
+    CHECK(found_at(12.0, 0.0003, 0.0, 1e-3, 1e-5) < 0.0);  // the widest tremor
+    CHECK(found_at(8.0, 0.010, 0.0, 1e-3, 1e-4) < 0.0);    // the quickest taps
+    CHECK(found_at(18.0, 0.0035, 0.0, 1e-3, 1e-4) > 0.0);  // 0.14 m/s rms: seen on a bench
+}
+
+TEST_CASE("a stiff wall under a light hand on a light handle is ended within half a second") {
+    SEEDED(random, std::uint64_t{40});
+    PressedWall wall = light_hand(1000.0);
+    if (seed > 0) {  // the bench's own case, and what is near it
+        wall.handle = random.in(0.035, 0.055);
+        wall.hand_k = random.in(90.0, 150.0);
+        wall.hand_b = random.in(0.2, 0.6);
+        wall.press = random.in(0.005, 0.008);
+    }
+    const auto course = wall.run(3.0);
+    CHECK((course.trip == Trip::buzz));
+    CHECK(course.tripped_s - course.touched_s <= 0.5);
+    CHECK(course.command == 0.0);
+}
+
+TEST_CASE("a press at 200 N/m never buzzes, however the handle is held") {
+    SEEDED(random, std::uint64_t{60});
+    PressedWall wall = light_hand(200.0);
+    if (seed > 0) {
+        wall.handle = random.in(0.05, 0.3);
+        wall.hand_k = random.in(50.0, 500.0);
+        wall.hand_b = random.in(0.5, 8.0);
+        wall.press = random.in(0.001, 0.015);
+        wall.approach = random.in(0.02, 0.4);
+        wall.tap_hz = random.in(0.0, 12.0);
+        wall.tap = wall.tap_hz < 8.0 ? random.in(0.0, 0.004) : random.in(0.0, 0.00015);
+    }
+    CHECK((wall.run(3.0).trip == Trip::none));
+}
+
+TEST_CASE("a wall that is damped enough rings when it is struck, and is let be") {
+    SEEDED(random, std::uint64_t{60});
+    PressedWall wall = light_hand(1000.0);
+    wall.handle = random.in(0.05, 0.3);
+    wall.hand_b = random.in(2.5, 8.0);  // K T (1/2 + d) is 1.5 N s/m
+    wall.hand_k = random.in(50.0, 500.0);
+    wall.approach = random.in(0.02, 0.4);
+    CHECK((wall.run(3.0).trip == Trip::none));
+}
+
+TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full") {
+    SEEDED(random, std::uint64_t{40});
+    // Of a light hand to one that just gives way: 200 N/m pull against it.
+    const double hand = seed == 0 ? 60.0 : random.in(50.0, 180.0);
+    const double press = random.in(0.008, 0.012);
+    for (const Vec2& side : {Vec2{-kHalf, kHalf}, Vec2{kHalf, kHalf}}) {
+        const auto course = pressed(kBoth, side, hand, press).run(3.0);
+        CHECK((course.trip == Trip::runaway));
+        CHECK(course.tripped_s - course.full_s <= 0.050);
+        CHECK(course.command == 0.0);
+    }
+}
+
+TEST_CASE("a reversed or swapped motor is found on one side of an object at least") {
+    SEEDED(random, std::uint64_t{40});
+    const double hand = seed == 0 ? 60.0 : random.in(50.0, 120.0);
+    for (const Machine& machine : {kFirst, kSecond, kSwapped}) {
+        int found = 0;
+        for (const Vec2& side : {Vec2{-kHalf, kHalf}, Vec2{kHalf, kHalf}}) {
+            const auto course = pressed(machine, side, hand, 0.016).run(3.0);
+            found += course.trip == Trip::runaway ? 1 : 0;
+        }
+        CHECK(found >= 1);
+    }
+}
+
+TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses") {
+    SEEDED(random, std::uint64_t{60});
+    PressedWall wall = pressed(Machine{Vec2{1.0, 0.0}, Vec2{0.0, 1.0}}, {0.0, 1.0},
+                               random.in(60.0, 600.0), random.in(0.0, 0.04));
+    wall.approach = random.in(0.02, 0.4);
+    wall.stiffness = random.in(100.0, 400.0);
+    CHECK((wall.run(3.0).trip == Trip::none));
+}
+
+TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway") {
     SEEDED(random, std::uint64_t{100});
     const double came = random.in(0.03, 0.5);
     const double count = 0.0002 / kRunawayStretch;  // of either end, m/s

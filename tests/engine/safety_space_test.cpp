@@ -90,8 +90,7 @@ SafetyInput input_of(const Moment& now, bool up) {
 
 TEST_CASE(
     "what is up is held to what is to the side: the same command and the same trip in the same "
-    "tick",
-    "[safety][space][law]") {
+    "tick") {
     const auto [act, cause] = GENERATE(table<Act, Trip>({{Act::presses, Trip::none},
                                                          {Act::jumps, Trip::jump},
                                                          {Act::speeds, Trip::over_speed},
@@ -123,8 +122,7 @@ TEST_CASE(
     CHECK(strongest <= 6.0 * (1.0 + 1e-12));
 }
 
-TEST_CASE("a force in space keeps its direction at the limit, and a slew takes the straight way",
-          "[safety][space][law]") {
+TEST_CASE("a force in space keeps its direction at the limit, and a slew takes the straight way") {
     SEEDED(random, 100U);
     const SafetyLimits limits{.max_force = 5.0, .ramp_step = 1.0, .slew = random.in(0.05, 20.0)};
     SafetyState state;
@@ -143,8 +141,7 @@ TEST_CASE("a force in space keeps its direction at the limit, and a slew takes t
 
 TEST_CASE(
     "a straight axis that is pushed and does not count ends the force within 0.15 m of strokes, "
-    "within 0.6 m if only at every hill, and no other",
-    "[safety][space][encoder][law]") {
+    "within 0.6 m if only at every hill, and no other") {
     EACH(axis, 0, 1, 2);
     SEED(20U);
     EACH(pushed, as<std::string>(), "always", "over hills", "never");

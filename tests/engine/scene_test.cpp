@@ -22,7 +22,7 @@ std::vector<Vec2> scene_hand(std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
+TEST_CASE("the force is zero on every tick outside the object") {
     SEED(std::uint64_t{8});
     for (const double kappa : kCurvatures) {
         for (const Friction& friction : {Friction{}, kStudyFriction}) {
@@ -47,7 +47,7 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
     }
 }
 
-TEST_CASE("a tick allocates nothing", "[scene][law]") {
+TEST_CASE("a tick allocates nothing") {
     for (const Friction& friction : {Friction{}, kStudyFriction}) {
         const Scene scene = scene_of(-5.0, friction, kStudySlew);
         const std::vector<Vec2> path = scene_hand(7);
@@ -60,7 +60,7 @@ TEST_CASE("a tick allocates nothing", "[scene][law]") {
     }
 }
 
-TEST_CASE("a scene refuses values out of range, with the value and the remedy", "[scene]") {
+TEST_CASE("a scene refuses values out of range, with the value and the remedy") {
     const auto outline = stimuli::make_outline({});
     const auto refusal = [&](const SceneSpec& spec) {
         return refusal_of<std::invalid_argument>([&] { return Scene(outline, spec); });

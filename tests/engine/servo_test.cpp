@@ -53,8 +53,7 @@ std::size_t ticks_to_the_trip(Servo& servo, const Scene& felt) {
 
 }  // namespace
 
-TEST_CASE("motors that tripped by heat are still hot in the next trial of a real-time servo",
-          "[servo][safety][law]") {
+TEST_CASE("motors that tripped by heat are still hot in the next trial of a real-time servo") {
     Pressed device;
     ThreadServo servo(device, spec());
     const Scene felt = rest_scene();
@@ -64,8 +63,7 @@ TEST_CASE("motors that tripped by heat are still hot in the next trial of a real
     }
 }
 
-TEST_CASE("parking and reading between trials cool no motor faster than time does",
-          "[servo][safety]") {
+TEST_CASE("parking and reading between trials cool no motor faster than time does") {
     Pressed device;
     ThreadServo servo(device, spec());
     const Scene felt = rest_scene();
@@ -77,8 +75,8 @@ TEST_CASE("parking and reading between trials cool no motor faster than time doe
     CHECK(ticks_to_the_trip(servo, felt) < kColdTicks / 2);
 }
 
-TEST_CASE("on the virtual clock every trial begins cold, so that a resumed session gives the same",
-          "[servo][safety][law]") {
+TEST_CASE(
+    "on the virtual clock every trial begins cold, so that a resumed session gives the same") {
     Pressed device;
     VirtualServo servo(device, spec());
     const Scene felt = rest_scene();
@@ -87,7 +85,7 @@ TEST_CASE("on the virtual clock every trial begins cold, so that a resumed sessi
     CHECK(ticks_to_the_trip(servo, felt) == first);
 }
 
-TEST_CASE("a ring gives back what was pushed, in order, between two threads", "[servo][law]") {
+TEST_CASE("a ring gives back what was pushed, in order, between two threads") {
     SpscRing<int> ring(64);
     CHECK_THROWS_WITH(SpscRing<int>(48), Has("power of two", "48"));
     constexpr int kCount = 200'000;
@@ -111,7 +109,7 @@ TEST_CASE("a ring gives back what was pushed, in order, between two threads", "[
     CHECK_FALSE(ring.push(64));
 }
 
-TEST_CASE("a servo rate outside 1 to 10 kHz is refused with the value", "[servo]") {
+TEST_CASE("a servo rate outside 1 to 10 kHz is refused with the value") {
     SimulatedPantograph device({}, 1e-3);
     CHECK_THROWS_WITH(VirtualServo(device, {.rate_hz = 500.0}), Has("500", "1000 to 10000"));
 }

@@ -12,7 +12,7 @@ Exploration still(const Vec2& place) {
 
 }  // namespace
 
-TEST_CASE("without forces the handle follows the hand's intention from start to end", "[device]") {
+TEST_CASE("without forces the handle follows the hand's intention from start to end") {
     SimulatedPantograph device({}, 1e-3);
     const Exploration plan{.tremor = 0.0};
     device.begin(plan);
@@ -30,7 +30,7 @@ TEST_CASE("without forces the handle follows the hand's intention from start to 
     CHECK(worst < 0.004);  // lag of joint damping and of the corners of the path
 }
 
-TEST_CASE("a constant force moves the handle by force over hand stiffness", "[device][law]") {
+TEST_CASE("a constant force moves the handle by force over hand stiffness") {
     PantographModel model;
     model.plant.coulomb = Vec2{};
     model.delay_ticks = GENERATE(0, 1);
@@ -47,7 +47,7 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
     CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.plant.hand.stiffness)) < 2e-5);
 }
 
-TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
+TEST_CASE("the torque limit scales both joints alike and says so") {
     SimulatedPantograph device({}, 1e-3);
     static_cast<void>(device.read());
     const AppliedForce gentle = device.write({0.0, -2.0, 0.0});
@@ -59,7 +59,7 @@ TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
                     static_cast<double>(gentle.codes[0]) / gentle.codes[1]) < 1e-3);
 }
 
-TEST_CASE("HIP is what the counts say", "[device][law]") {
+TEST_CASE("HIP is what the counts say") {
     PantographModel model;
     model.plant.machine.turn = 0.3;
     model.plant.machine.axes[1].zero = 0.5;
@@ -75,8 +75,7 @@ TEST_CASE("HIP is what the counts say", "[device][law]") {
     }
 }
 
-TEST_CASE("a machine far from the usual start is simulated where its own exploration begins",
-          "[device][law]") {
+TEST_CASE("a machine far from the usual start is simulated where its own exploration begins") {
     PantographModel model;
     model.plant.machine.origin += Vec2(0.4, 0.3);  // of the objects, in the linkage
     SimulatedPantograph device(model, 1e-3);
@@ -86,13 +85,12 @@ TEST_CASE("a machine far from the usual start is simulated where its own explora
     CHECK_THROWS_WITH(device.begin({}), Has("(0, 0.06)", "move the start"));
 }
 
-TEST_CASE("a start out of reach is refused with the place and the remedy", "[device]") {
+TEST_CASE("a start out of reach is refused with the place and the remedy") {
     SimulatedPantograph device({}, 1e-3);
     CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}), Has("0.5", "move the start"));
 }
 
-TEST_CASE("a tick of delay moves the answer to a force by one tick and changes nothing else",
-          "[device][law]") {
+TEST_CASE("a tick of delay moves the answer to a force by one tick and changes nothing else") {
     PantographModel model;
     model.plant.hand = {.mass = 0.1, .stiffness = 0.0, .damping = 0.0};
     model.delay_ticks = 0;
@@ -113,8 +111,7 @@ TEST_CASE("a tick of delay moves the answer to a force by one tick and changes n
     CHECK(late.traits().delay_ticks == prompt.traits().delay_ticks + 1.0);
 }
 
-TEST_CASE("the standard machine is passive at the study's stiffness, and says what it can do",
-          "[device][law]") {
+TEST_CASE("the standard machine is passive at the study's stiffness, and says what it can do") {
     const SimulatedPantograph device({}, 1e-3);
     const DeviceTraits traits = device.traits();
     CHECK(traits.gives_force);
@@ -133,13 +130,13 @@ TEST_CASE("the standard machine is passive at the study's stiffness, and says wh
     CHECK_FALSE(device.weakest_force({0.0, 0.3, 0.0}));
 }
 
-TEST_CASE("a simulated machine that cannot be is refused with its number", "[device]") {
+TEST_CASE("a simulated machine that cannot be is refused with its number") {
     CHECK_THROWS_WITH(SimulatedPantograph({}, 0.0), Has("period is 0 s"));
     CHECK_THROWS_WITH(SimulatedPantograph({.plant = {}, .delay_ticks = 2}, 1e-3),
                       Has("delay is 2 ticks"));
 }
 
-TEST_CASE("from 1 to 10 kHz the hand explores and presses alike", "[device][law]") {
+TEST_CASE("from 1 to 10 kHz the hand explores and presses alike") {
     // On a soft wall a tick of delay matters little: at 80 mm/s the force of 200 N/m is 1.65 ms
     // (132 um, 26 mN) old at 1 kHz, which hand (300 N/m) and wall turn into 53 um at most.
     const int cuts = GENERATE(2, 4, 10);
@@ -164,7 +161,7 @@ TEST_CASE("from 1 to 10 kHz the hand explores and presses alike", "[device][law]
     CHECK(worst < 53e-6);
 }
 
-TEST_CASE("the hand holds against what is within its strength, and gives way to more", "[device]") {
+TEST_CASE("the hand holds against what is within its strength, and gives way to more") {
     const HandModel hand;
     const auto pushed = [](double newtons) {
         SimulatedPantograph device({}, 1e-3);

@@ -126,8 +126,7 @@ Contact pressed(const Scene& scene, ContactState& state, const Vec2& from, const
 }  // namespace
 
 TEST_CASE(
-    "a soft contact at rest gives way by 1 / K and the curve's own compliance, in any direction",
-    "[soft][law]") {
+    "a soft contact at rest gives way by 1 / K and the curve's own compliance, in any direction") {
     SEEDED(random, 20U);
     const double k = random.decade(2.3, 4.0);
     const double c = random.decade(-5.0, -2.7);
@@ -164,7 +163,7 @@ TEST_CASE(
     CHECK(scene.soft()->compliance_at({1, 0.0}) == Approx(c).epsilon(1e-12));
 }
 
-TEST_CASE("a symmetric soft object answers mirrored hands with mirrored forces", "[soft][law]") {
+TEST_CASE("a symmetric soft object answers mirrored hands with mirrored forces") {
     SEEDED(random, 20U);
     const Scene scene(arcs(random.in(-10.0, 20.0)), soft_spec(random));
     const double x = random.decade(-12.0, -4.0);  // beside the vertex
@@ -181,8 +180,7 @@ TEST_CASE("a symmetric soft object answers mirrored hands with mirrored forces",
     CHECK(worst <= 1e-9 * scene.spec().stiffness * 400.0 * speed);
 }
 
-TEST_CASE("from its rest on a soft object gives no more energy than sampling leaks",
-          "[soft][law]") {
+TEST_CASE("from its rest on a soft object gives no more energy than sampling leaks") {
     SEED(40U);
     const Episodes all = episodes(seed, 4000);
     CHECK(all.count > 0);
@@ -201,8 +199,8 @@ TEST_CASE("10,000 episodes of soft contact give no more energy than sampling lea
     WARN(all.count << " episodes, the most beyond the bound " << all.worst << " J");
 }
 
-TEST_CASE("while the hand rests, spring and curves together only lose energy, also where they meet",
-          "[soft][law]") {
+TEST_CASE(
+    "while the hand rests, spring and curves together only lose energy, also where they meet") {
     int met = 0;
     for (unsigned seed = 0; seed < 60; ++seed) {
         CAPTURE(seed);
@@ -235,7 +233,7 @@ TEST_CASE("while the hand rests, spring and curves together only lose energy, al
     CHECK(met > 20);
 }
 
-TEST_CASE("a soft object that is let go comes back to its rest, and feels as new", "[soft][law]") {
+TEST_CASE("a soft object that is let go comes back to its rest, and feels as new") {
     SEEDED(random, 10U);
     SceneSpec spec = soft_spec(random);
     spec.period = 1e-3;
@@ -268,8 +266,7 @@ TEST_CASE("a soft object that is let go comes back to its rest, and feels as new
 
 TEST_CASE(
     "the softer the object, the less it presses at the same depth, and the hardest is all but "
-    "rigid",
-    "[soft][law]") {
+    "rigid") {
     const auto outline = arcs(5.0);
     const Frame at = frame_at(outline->spans()[0], 0.6);
     const Vec2 start = at.point + 0.002 * at.normal;
@@ -289,8 +286,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("ticks of a soft object allocate nothing, and what follows is in the state alone",
-          "[soft][law]") {
+TEST_CASE("ticks of a soft object allocate nothing, and what follows is in the state alone") {
     Random random(7);
     const Scene scene(arcs(5.0), {.friction = {.mu_s = 0.7, .mu_d = 0.5}, .compliance = 1e-3});
     RoamingHand hand(random);
@@ -315,8 +311,7 @@ TEST_CASE("ticks of a soft object allocate nothing, and what follows is in the s
     }
 }
 
-TEST_CASE("whatever hand comes, a soft object stays within its depth and its numbers finite",
-          "[soft][law]") {
+TEST_CASE("whatever hand comes, a soft object stays within its depth and its numbers finite") {
     Random random(3);
     const Scene scene(arcs(5.0), {.stiffness = 20'000.0, .compliance = kMaxCompliance});
     const double deepest = scene.soft()->deepest();
@@ -341,7 +336,7 @@ TEST_CASE("whatever hand comes, a soft object stays within its depth and its num
     CHECK(max > 0.99 * deepest);  // it was there
 }
 
-TEST_CASE("every trial begins with the soft object at rest", "[soft]") {
+TEST_CASE("every trial begins with the soft object at rest") {
     const Scene scene(arcs(5.0), {.compliance = 1e-3});
     std::vector<Reading> readings;
     for (int i = 0; i < 60; ++i) {
@@ -364,7 +359,7 @@ TEST_CASE("every trial begins with the soft object at rest", "[soft]") {
     }
 }
 
-TEST_CASE("the energy observer sees a soft contact as the spring that stores as much", "[soft]") {
+TEST_CASE("the energy observer sees a soft contact as the spring that stores as much") {
     const Scene scene(arcs(5.0), {.stiffness = 800.0, .compliance = 2e-3});
     ContactState state;
     const Vec2 end{0.005, 0.027};
@@ -376,7 +371,7 @@ TEST_CASE("the energy observer sees a soft contact as the spring that stores as 
           Approx(alone + scene.soft()->energy(state.soft)).epsilon(1e-6));
 }
 
-TEST_CASE("a compliance that cannot be rendered is refused with the remedy", "[soft]") {
+TEST_CASE("a compliance that cannot be rendered is refused with the remedy") {
     const auto says = [](const SceneSpec& spec, const std::shared_ptr<const Outline>& outline) {
         return refusal_of<std::invalid_argument>([&] { return Scene(outline, spec); });
     };

@@ -90,8 +90,7 @@ bool says(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("right axes of many kinds pass with their numbers, by pulses that end by themselves",
-          "[commissioning][gantry][law]") {
+TEST_CASE("right axes of many kinds pass with their numbers, by pulses that end by themselves") {
     SEEDED(random, 12U);
     Axes axes{};
     for (AxisDynamics& axis : axes) {
@@ -123,8 +122,7 @@ TEST_CASE("right axes of many kinds pass with their numbers, by pulses that end 
     CHECK(device.furthest < 0.030);  // of all pulses together, to and fro
 }
 
-TEST_CASE("every wrong encoder of three is found and named, and no motor turns meanwhile",
-          "[commissioning][gantry][law]") {
+TEST_CASE("every wrong encoder of three is found and named, and no motor turns meanwhile") {
     for (unsigned seed = 0; seed < 120; ++seed) {
         const Cables encoders = wrong_cables(seed);
         CAPTURE(seed, encoders.axis, encoders.factor);
@@ -153,8 +151,7 @@ TEST_CASE("every wrong encoder of three is found and named, and no motor turns m
     }
 }
 
-TEST_CASE("every wrong motor of three is found and named, by 1 N at most",
-          "[commissioning][gantry][law]") {
+TEST_CASE("every wrong motor of three is found and named, by 1 N at most") {
     for (unsigned seed = 0; seed < 60; ++seed) {
         const Cables motors = wrong_cables(seed);
         CAPTURE(seed, motors.axis, motors.factor);
@@ -185,8 +182,8 @@ TEST_CASE("every wrong motor of three is found and named, by 1 N at most",
     }
 }
 
-TEST_CASE("an encoder that dies before the pulses is found, and its axis ends within 40 mm unseen",
-          "[commissioning][gantry][safety][law]") {
+TEST_CASE(
+    "an encoder that dies before the pulses is found, and its axis ends within 40 mm unseen") {
     const std::size_t dead = GENERATE(0U, 1U, 2U);
     const bool slides = GENERATE(false, true);  // nothing brakes it
     CAPTURE(dead, slides);
@@ -204,8 +201,7 @@ TEST_CASE("an encoder that dies before the pulses is found, and its axis ends wi
     CHECK(device.last == Vec3{});
 }
 
-TEST_CASE("a pulse is reversed once the handle has gone 3 mm, however strong the motor is",
-          "[commissioning][gantry][safety][law]") {
+TEST_CASE("a pulse is reversed once the handle has gone 3 mm, however strong the motor is") {
     const Calibration machine = gantry_machine();
     int reversed = 0;
     int ended = 0;
@@ -240,8 +236,7 @@ TEST_CASE("a pulse is reversed once the handle has gone 3 mm, however strong the
     CHECK(ended > 0);
 }
 
-TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig is proved",
-          "[commissioning][gantry][safety][law]") {
+TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig is proved") {
     int ticks = 0;
     {
         MiswiredGantry device(gantry_machine(), right_axes(), {}, {});
@@ -267,8 +262,7 @@ TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig 
     }
 }
 
-TEST_CASE("the short form of three axes passes the rig that was commissioned, and no other",
-          "[commissioning][gantry][law]") {
+TEST_CASE("the short form of three axes passes the rig that was commissioned, and no other") {
     const Calibration machine = gantry_machine();
     MiswiredGantry right(machine, right_axes(), {}, {});
     const RigRecord record = commissioned(right, mass_of(right_axes())).record;
@@ -305,8 +299,7 @@ TEST_CASE("the short form of three axes passes the rig that was commissioned, an
                Has("not explained by mass, damping and friction", "does somebody hold it"));
 }
 
-TEST_CASE("answers of three axes that are 5 ms late are found, and hide no stronger motor",
-          "[commissioning][gantry][safety][law]") {
+TEST_CASE("answers of three axes that are 5 ms late are found, and hide no stronger motor") {
     const Calibration machine = gantry_machine();
     SEEDED(random, 3U);
     Axes axes{};
@@ -330,8 +323,7 @@ TEST_CASE("answers of three axes that are 5 ms late are found, and hide no stron
     }
 }
 
-TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are refused",
-          "[commissioning][gantry]") {
+TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are refused") {
     Axes axes = right_axes();
     axes[2].pull = 0.08;  // 0.06 N of friction do not hold it
     MiswiredGantry device(gantry_machine(), axes, {}, {});
@@ -357,8 +349,7 @@ TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are r
                       Has("home of axis z is less than 10 mm from its end"));
 }
 
-TEST_CASE("no exchanged or reversed encoders of three axes say that they are at the second mark",
-          "[commissioning][gantry][law]") {
+TEST_CASE("no exchanged or reversed encoders of three axes say that they are at the second mark") {
     Random random(7);
     for (int i = 0; i < 200; ++i) {
         Calibration machine = gantry_machine();

@@ -19,8 +19,7 @@ Vec3 random_point(Random& random, double size) {
 
 }  // namespace
 
-TEST_CASE("the closest point of any surface is the one an independent search finds",
-          "[contact][surface][law]") {
+TEST_CASE("the closest point of any surface is the one an independent search finds") {
     SEEDED(random, 12U);
     const double size = seed % 5U == 4U ? random.decade(-4.0, 3.0) : 0.1;
     const SurfaceData data =
@@ -45,8 +44,7 @@ TEST_CASE("the closest point of any surface is the one an independent search fin
     }
 }
 
-TEST_CASE("closest points of a ball, a ring and a tube are those of their formulas",
-          "[contact][surface][law]") {
+TEST_CASE("closest points of a ball, a ring and a tube are those of their formulas") {
     SEEDED(random, 6U);
     const double r = 0.03;
     const SurfaceFeet ball = feet_of(sphere(r));
@@ -71,7 +69,7 @@ TEST_CASE("closest points of a ball, a ring and a tube are those of their formul
     }
 }
 
-TEST_CASE("borders and corners of an open sheet belong to it", "[contact][surface]") {
+TEST_CASE("borders and corners of an open sheet belong to it") {
     const SurfaceFeet sheet = feet_of(plane(0.05));
     Random random(3);
     for (int k = 0; k < 500; ++k) {
@@ -83,8 +81,7 @@ TEST_CASE("borders and corners of an open sheet belong to it", "[contact][surfac
     }
 }
 
-TEST_CASE("centres of curvature, where every point is the closest one, are answered",
-          "[contact][surface]") {
+TEST_CASE("centres of curvature, where every point is the closest one, are answered") {
     const double r = 0.03;
     const SurfaceFeet ball = feet_of(sphere(r));
     CHECK(std::fabs(ball.closest(Vec3{}).distance - r) < 1e-16);
@@ -107,7 +104,7 @@ TEST_CASE("centres of curvature, where every point is the closest one, are answe
     }
 }
 
-TEST_CASE("poles are found from every side", "[contact][surface]") {
+TEST_CASE("poles are found from every side") {
     const double r = 0.03;
     const SurfaceFeet ball = feet_of(sphere(r));
     Random random(6);
@@ -124,8 +121,7 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
     }
 }
 
-TEST_CASE("right beside a pole the foot is as near as any heading out of it leads",
-          "[contact][surface][law]") {
+TEST_CASE("right beside a pole the foot is as near as any heading out of it leads") {
     // So near to the tip the patch is its tangents there, S(u, v) = tip + 2 u (P1(v) - tip) +
     // O(u^2), P1(v) the second row's Bezier curve: the foot is at most as far as the nearest of
     // 2,001 of them.
@@ -159,8 +155,7 @@ TEST_CASE("right beside a pole the foot is as near as any heading out of it lead
     }
 }
 
-TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a search",
-          "[contact][surface][law]") {
+TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a search") {
     SEEDED(random, 16U);
     const SurfaceData data = bicubic_8x8(random, seed % 2U == 0U ? 0.0 : 0.7, 0.01 + 0.002 * seed);
     const SurfaceFeet feet = feet_of(data);
@@ -183,8 +178,7 @@ TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a
     CHECK(track.searches < ticks / 3);
 }
 
-TEST_CASE("tracking over rings, folds, teleports and far away is global too",
-          "[contact][surface][law]") {
+TEST_CASE("tracking over rings, folds, teleports and far away is global too") {
     SEEDED(random, 12U);
     const SurfaceFeet feet = feet_of(seed % 3U == 0U   ? torus(0.06, 0.02)
                                      : seed % 3U == 1U ? random_surface(random, 0.1, 0.5, 4, false)
@@ -206,8 +200,7 @@ TEST_CASE("tracking over rings, folds, teleports and far away is global too",
     }
 }
 
-TEST_CASE("a proof that is renewed on the way still sees what comes near from elsewhere",
-          "[contact][surface][law]") {
+TEST_CASE("a proof that is renewed on the way still sees what comes near from elsewhere") {
     SEEDED(random, 4U);
     const auto sheet = [&](double height, double hills, double spread) {
         SurfaceData d{.degree_u = 3, .degree_v = 3};
@@ -240,8 +233,7 @@ TEST_CASE("a proof that is renewed on the way still sees what comes near from el
     CHECK(renewed > 10);
 }
 
-TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global",
-          "[contact][surface][law]") {
+TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global") {
     SEEDED(random, 6U);
     // z = (x^2 / R + y^2 / r) / 2: beyond z = R the lowest point splits into two, left and right.
     const double big = 0.01;
@@ -279,7 +271,7 @@ TEST_CASE("above a hollow, through and beyond its centres of curvature, the answ
     CHECK(track.certified_calls > 100);
 }
 
-TEST_CASE("closest points allocate nothing, and a null surface is refused", "[contact][surface]") {
+TEST_CASE("closest points allocate nothing, and a null surface is refused") {
     Random random(1);
     const SurfaceFeet feet = feet_of(bicubic_8x8(random, 0.7));
     SurfaceTrack track;

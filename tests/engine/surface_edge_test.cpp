@@ -50,8 +50,8 @@ Ridge some_ridge(Random& random) {
 }  // namespace
 
 TEST_CASE(
-    "over a convex edge a surface is felt as its outline in the plane, with vertex slew and damper",
-    "[scene][surface][edge][law]") {
+    "over a convex edge a surface is felt as its outline in the plane, with vertex slew and "
+    "damper") {
     SEEDED(random, std::uint64_t{24});
     const Ridge ridge = some_ridge(random);
     SceneSpec spec{.friction = seed % 3U == 0U ? Friction{} : some_friction(seed)};
@@ -79,8 +79,7 @@ TEST_CASE(
     CHECK((slewed > 5) == !spec.slew.none());
 }
 
-TEST_CASE("a convex edge is felt alike at 1 and at 10 kHz with vertex slew",
-          "[scene][surface][edge][law]") {
+TEST_CASE("a convex edge is felt alike at 1 and at 10 kHz with vertex slew") {
     SEEDED(random, std::uint64_t{5}, 60U);
     const Ridge ridge = some_ridge(random);
     const Swing swing(random);
@@ -113,8 +112,7 @@ TEST_CASE("a convex edge is felt alike at 1 and at 10 kHz with vertex slew",
     CHECK(at_10 < 0.012);
 }
 
-TEST_CASE("in the fan of an edge the god-object goes along with the hand",
-          "[scene][surface][edge][law]") {
+TEST_CASE("in the fan of an edge the god-object goes along with the hand") {
     SEEDED(random, std::uint64_t{8});
     const Ridge ridge{0.0, random.in(0.5, 2.0)};
     const double mu = seed % 2U == 0U ? 0.0 : random.in(0.1, 0.4);
@@ -138,8 +136,7 @@ TEST_CASE("in the fan of an edge the god-object goes along with the hand",
     CHECK(in_fan > 30);
 }
 
-TEST_CASE("the work of a tick on a surface is bounded, and what it could not do is said",
-          "[scene][surface][law]") {
+TEST_CASE("the work of a tick on a surface is bounded, and what it could not do is said") {
     // A sheet that is nearly a line under different weights: no search can prove its closest point.
     Random random(7);
     SurfaceData d = random_surface(random, 1.0, 3.0, 5, true);

@@ -4,7 +4,7 @@
 
 using namespace palpate::engine;
 
-TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][surface][law]") {
+TEST_CASE("on a plane friction is its closed form to the last bits") {
     SEED(10U);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(plane(0.5), friction);
@@ -44,7 +44,7 @@ TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][su
     }
 }
 
-TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][surface][law]") {
+TEST_CASE("round a tube friction is that of a circle in the plane") {
     SEED(10U);
     const Friction friction = some_friction(seed);
     const double r = 0.05;
@@ -75,8 +75,7 @@ TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][sur
     CHECK(worst < 1e-9);
 }
 
-TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop allow",
-          "[scene][surface][law]") {
+TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop allow") {
     SEED(std::uint64_t{10});
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);
@@ -108,7 +107,7 @@ TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop al
     }
 }
 
-TEST_CASE("a finger drawn over the pole of a ball goes straight over it", "[scene][surface]") {
+TEST_CASE("a finger drawn over the pole of a ball goes straight over it") {
     const double r = 0.04;
     for (const Friction& friction : {Friction{}, Friction{.mu_s = 0.3, .mu_d = 0.3}, kFriction}) {
         const SurfaceScene scene = scene_of(sphere(r), friction);
@@ -133,8 +132,7 @@ TEST_CASE("a finger drawn over the pole of a ball goes straight over it", "[scen
     }
 }
 
-TEST_CASE("an open border holds the GO, lets it slide along, and keeps the force in the cone",
-          "[scene][surface]") {
+TEST_CASE("an open border holds the GO, lets it slide along, and keeps the force in the cone") {
     const double half = 0.05;
     for (const Friction& friction : {Friction{}, Friction{.mu_s = 0.5, .mu_d = 0.5}}) {
         CAPTURE(friction.mu_s);
@@ -163,8 +161,7 @@ TEST_CASE("an open border holds the GO, lets it slide along, and keeps the force
     }
 }
 
-TEST_CASE("a concave crease catches the GO and both sides carry, a convex one is crossed",
-          "[scene][surface]") {
+TEST_CASE("a concave crease catches the GO and both sides carry, a convex one is crossed") {
     const Friction friction{.mu_s = 0.2, .mu_d = 0.2};
     for (const double fold : {-0.02, 0.02}) {
         SurfaceData d{

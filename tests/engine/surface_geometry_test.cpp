@@ -19,8 +19,7 @@ double parameter(Random& random, const std::vector<double>& knots) {
 
 }  // namespace
 
-TEST_CASE("a surface of any degree, spacing and weights is what its definition says",
-          "[geometry][surface][law]") {
+TEST_CASE("a surface of any degree, spacing and weights is what its definition says") {
     SEEDED(random, 120U);
     const double size = random.decade(-6.0, 3.0);
     const SurfaceData data = random_surface(random, size, seed % 3U == 0U ? 0.0 : 3.0);
@@ -33,7 +32,7 @@ TEST_CASE("a surface of any degree, spacing and weights is what its definition s
     }
 }
 
-TEST_CASE("derivatives of a surface are those of its definition", "[geometry][surface][law]") {
+TEST_CASE("derivatives of a surface are those of its definition") {
     SEED(120U);
     Random random(1000U + seed);
     const SurfaceData data = random_surface(random, 0.1, seed % 3U == 0U ? 0.0 : 0.5);
@@ -54,8 +53,7 @@ TEST_CASE("derivatives of a surface are those of its definition", "[geometry][su
     }
 }
 
-TEST_CASE("a ball, a ring and a tube have their radius, normal and curvature everywhere",
-          "[geometry][surface]") {
+TEST_CASE("a ball, a ring and a tube have their radius, normal and curvature everywhere") {
     const double r = 0.037;
     const NurbsSurface ball = make_surface(sphere(r));
     const NurbsSurface ring = make_surface(torus(0.06, 0.02));
@@ -96,8 +94,7 @@ TEST_CASE("a ball, a ring and a tube have their radius, normal and curvature eve
     CHECK_FALSE(tube.closed(false));
 }
 
-TEST_CASE("where the first derivatives vanish the normal is its limit from inside",
-          "[geometry][surface]") {
+TEST_CASE("where the first derivatives vanish the normal is its limit from inside") {
     // A quarter of a cone-like dome: the edge v = 0 is one point, and control points repeat.
     SurfaceData d = plane(0.05);
     d.points[0][0] = d.points[1][0] = Vec3{0.0, -0.05, 0.0};
@@ -115,7 +112,7 @@ TEST_CASE("where the first derivatives vanish the normal is its limit from insid
     CHECK(glm::length(limit - stiff.normal(2.5, 1e-3)) < 2e-2);
 }
 
-TEST_CASE("an object a kilometre away keeps the digits of its coordinates", "[geometry][surface]") {
+TEST_CASE("an object a kilometre away keeps the digits of its coordinates") {
     Random random(8);
     SurfaceData data = bicubic_8x8(random, 0.7);
     for (auto& row : data.points) {
@@ -132,8 +129,7 @@ TEST_CASE("an object a kilometre away keeps the digits of its coordinates", "[ge
     }
 }
 
-TEST_CASE("what is no surface is refused with the place, the value and the remedy",
-          "[geometry][surface]") {
+TEST_CASE("what is no surface is refused with the place, the value and the remedy") {
     const auto refused = [](const char* words, const auto& change) {
         SurfaceData d = plane(1.0);
         change(d);
@@ -151,8 +147,7 @@ TEST_CASE("what is no surface is refused with the place, the value and the remed
     CHECK_THROWS_WITH(BezierPatch(1, 1, {}, true), Has("needs 4 control points"));
 }
 
-TEST_CASE("a surface of which a span is a mere curve is refused, however it is turned",
-          "[geometry][surface][law]") {
+TEST_CASE("a surface of which a span is a mere curve is refused, however it is turned") {
     SEEDED(random, 40U, 2907U);
     SurfaceData d{.degree_u = 1 + random.below(3), .degree_v = 1 + random.below(3)};
     const auto p = static_cast<std::size_t>(d.degree_u);

@@ -22,8 +22,7 @@ double somewhere(const std::vector<double>& knots, int degree, Random& random) {
 
 }  // namespace
 
-TEST_CASE("a surface that is cut into four is felt as if it were whole",
-          "[scene][surface][object][law]") {
+TEST_CASE("a surface that is cut into four is felt as if it were whole") {
     SEEDED(random, std::uint64_t{20}, 900U);
     const SurfaceData whole = seed % 2U == 0U ? bicubic_8x8(random, 0.7) : bicubic_8x8(random, 0.0);
     const double u = somewhere(whole.knots_u, 3, random);
@@ -52,8 +51,7 @@ TEST_CASE("a surface that is cut into four is felt as if it were whole",
     CHECK(worst < 1e-8);
 }
 
-TEST_CASE("the closest point of several surfaces is the nearest of all of theirs",
-          "[surface][object][law]") {
+TEST_CASE("the closest point of several surfaces is the nearest of all of theirs") {
     SEEDED(random, std::uint64_t{6}, 40U);
     const SurfaceData whole = seed % 3U == 0U ? torus(0.06, 0.02)
                             : seed % 3U == 1U ? bicubic_8x8(random, 0.7, 0.03)
@@ -79,8 +77,7 @@ TEST_CASE("the closest point of several surfaces is the nearest of all of theirs
     }
 }
 
-TEST_CASE("from a box of six sides distance, closest point and side are the closed forms",
-          "[surface][object][law]") {
+TEST_CASE("from a box of six sides distance, closest point and side are the closed forms") {
     SEEDED(random, std::uint64_t{10});
     const Vec3 half{random.in(0.01, 0.05), random.in(0.01, 0.05), random.in(0.01, 0.05)};
     const SurfaceFeet feet(std::make_shared<const SurfaceObject>(made(box_sides(half, random))));
@@ -100,8 +97,7 @@ TEST_CASE("from a box of six sides distance, closest point and side are the clos
     }
 }
 
-TEST_CASE("from below a valley a hand meets the surface, in the crease and beside it",
-          "[surface][object][law]") {
+TEST_CASE("from below a valley a hand meets the surface, in the crease and beside it") {
     // Through a rising crease HIP comes from nowhere nearer to a side than to the crease.
     SEEDED(random, std::uint64_t{20});
     const double left = random.in(0.2, 2.0);
@@ -129,7 +125,7 @@ TEST_CASE("from below a valley a hand meets the surface, in the crease and besid
     }
 }
 
-TEST_CASE("surfaces that cannot be one object are refused with what to give", "[surface][object]") {
+TEST_CASE("surfaces that cannot be one object are refused with what to give") {
     const auto object = [](const std::vector<SurfaceData>& pieces) {
         return SurfaceObject(made(pieces));
     };
@@ -162,8 +158,7 @@ TEST_CASE("surfaces that cannot be one object are refused with what to give", "[
     CHECK_NOTHROW(object(scaled));
 }
 
-TEST_CASE("without friction a ball pushes back by K times the depth, straight out",
-          "[scene][surface][law]") {
+TEST_CASE("without friction a ball pushes back by K times the depth, straight out") {
     const double r = 0.04;
     const SurfaceScene scene = scene_of(sphere(r), {});
     SurfaceState state;
@@ -186,8 +181,7 @@ TEST_CASE("without friction a ball pushes back by K times the depth, straight ou
     CHECK(worst_at_pole < 1e-5);
 }
 
-TEST_CASE("not looking while out of reach changes no force on a closed surface",
-          "[scene][surface][law]") {
+TEST_CASE("not looking while out of reach changes no force on a closed surface") {
     SEED(std::uint64_t{8});
     const SurfaceData data = seed % 2U == 0U ? torus(0.06, 0.025) : sphere(0.04);
     const SurfaceScene plain = scene_of(data, kFriction);
@@ -208,7 +202,7 @@ TEST_CASE("not looking while out of reach changes no force on a closed surface",
     CHECK(b.skipped > 500);
 }
 
-TEST_CASE("a tick on a surface allocates nothing", "[scene][surface][law]") {
+TEST_CASE("a tick on a surface allocates nothing") {
     for (const Friction& friction : {Friction{}, kFriction}) {
         for (std::uint64_t seed = 0; seed < 4; ++seed) {
             const SurfaceScene scene = scene_of(smooth_object(seed), friction, seed % 2U == 1U);
@@ -223,8 +217,7 @@ TEST_CASE("a tick on a surface allocates nothing", "[scene][surface][law]") {
     }
 }
 
-TEST_CASE("a HIP over a surface that is not finite gives zero force, and the next tick is sane",
-          "[scene][surface][law]") {
+TEST_CASE("a HIP over a surface that is not finite gives zero force, and the next tick is sane") {
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(),
                                 std::numeric_limits<double>::infinity(), -1e300);
     for (const bool skip : {false, true}) {
@@ -248,8 +241,7 @@ TEST_CASE("a HIP over a surface that is not finite gives zero force, and the nex
     }
 }
 
-TEST_CASE("a surface scene refuses values out of range, with the value and the remedy",
-          "[scene][surface]") {
+TEST_CASE("a surface scene refuses values out of range, with the value and the remedy") {
     const auto refuse = [](const SceneSpec& spec) {
         return SurfaceScene(made(plane(0.05)), spec);
     };

@@ -29,8 +29,7 @@ SurfaceData cell(const SurfaceData& d, double lo_u, double hi_u, double lo_v, do
 
 }  // namespace
 
-TEST_CASE("what trims leave is felt as the same pieces cut by hand",
-          "[scene][surface][trim][law]") {
+TEST_CASE("what trims leave is felt as the same pieces cut by hand") {
     SEEDED(random, std::uint64_t{12}, 300U);
     const SurfaceData whole = bicubic_8x8(random, seed % 2U == 0U ? 0.7 : 0.0);
     const std::array<double, 4> u{0.0, random.in(0.5, 2.2), random.in(2.6, 4.5), 5.0};
@@ -73,8 +72,7 @@ TEST_CASE("what trims leave is felt as the same pieces cut by hand",
     CHECK(worst < 1e-8);
 }
 
-TEST_CASE("over a hole the closest point is on its border, or on the rest of the surface",
-          "[surface][trim][law]") {
+TEST_CASE("over a hole the closest point is on its border, or on the rest of the surface") {
     SEEDED(random, std::uint64_t{6});
     const SurfaceData whole = bicubic_8x8(random, 0.5, 0.02);
     const double lo_u = random.in(0.5, 2.0);
@@ -107,7 +105,7 @@ TEST_CASE("over a hole the closest point is on its border, or on the rest of the
     }
 }
 
-TEST_CASE("trims that cannot be are refused with what to give", "[surface][trim]") {
+TEST_CASE("trims that cannot be are refused with what to give") {
     const NurbsSurface sheet = make_surface(plane(0.05));
     const auto with = [&](const std::vector<TrimLoop>& loops) {
         return trimmed(sheet, loops);

@@ -85,8 +85,7 @@ std::vector<TickRecord> run_trial(ThreadServo& servo, const Scene& felt, std::si
 
 }  // namespace
 
-TEST_CASE("trials on one thread: ticks without a gap, true time, force out and zero written last",
-          "[servo][law]") {
+TEST_CASE("trials on one thread: ticks without a gap, true time, force out and zero written last") {
     Stroking device;
     ThreadServo servo(device, modest());
     const Scene felt = scene(5.0);
@@ -115,8 +114,8 @@ TEST_CASE("trials on one thread: ticks without a gap, true time, force out and z
     CHECK(servo.dropped() == 0);
 }
 
-TEST_CASE("a trial never mixes two scenes: its own scene gives all its forces from a fresh contact",
-          "[servo][law]") {
+TEST_CASE(
+    "a trial never mixes two scenes: its own scene gives all its forces from a fresh contact") {
     Stroking device;
     ThreadServo servo(device, modest());
     const std::array<Scene, 3> scenes{scene(5.0), scene(-5.0, 700.0), scene(0.0, 400.0)};
@@ -133,8 +132,7 @@ TEST_CASE("a trial never mixes two scenes: its own scene gives all its forces fr
     }
 }
 
-TEST_CASE("a parked device is never touched: before the first trial, after park, after a fault",
-          "[servo][law]") {
+TEST_CASE("a parked device is never touched: before the first trial, after park, after a fault") {
     Stroking device;
     ThreadServo servo(device, modest());
     const auto untouched = [&] {
@@ -179,8 +177,7 @@ TEST_CASE("a parked device is never touched: before the first trial, after park,
 }
 
 TEST_CASE(
-    "a fault at any tick writes zero, latches its cause, and is the last tick in ring and flight",
-    "[servo][law]") {
+    "a fault at any tick writes zero, latches its cause, and is the last tick in ring and flight") {
     const std::pair<DeviceFault, Trip> faults[] = {
         {DeviceFault::lost, Trip::device_lost},
         {DeviceFault::silent, Trip::device_silent},
@@ -208,8 +205,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a device that fails while the force ramps out does not keep end() waiting, and gets zero",
-    "[servo][law]") {
+    "a device that fails while the force ramps out does not keep end() waiting, and gets zero") {
     for (const std::int64_t good : {12, 20, 60, 110}) {
         CAPTURE(good);
         Stroking device;
@@ -228,8 +224,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the force is out when a caller's exception takes the servo with it, on both clocks",
-          "[servo][law]") {
+TEST_CASE("the force is out when a caller's exception takes the servo with it, on both clocks") {
     const Scene felt = scene(5.0);
     Stroking device;
     const auto thrown_over_a_thread = [&] {
@@ -257,8 +252,7 @@ TEST_CASE("the force is out when a caller's exception takes the servo with it, o
     CHECK(device.zero_was_last());
 }
 
-TEST_CASE("between trials a device that is gone is left alone, and the next trial says so",
-          "[servo][law]") {
+TEST_CASE("between trials a device that is gone is left alone, and the next trial says so") {
     Stroking device;
     device.fail_after(60, DeviceFault::lost);
     ThreadServo servo(device, modest());
@@ -278,7 +272,7 @@ TEST_CASE("between trials a device that is gone is left alone, and the next tria
     CHECK(servo.trip() == Trip::device_lost);
 }
 
-TEST_CASE("the real-time tick allocates nothing, in a trial and between trials", "[servo][law]") {
+TEST_CASE("the real-time tick allocates nothing, in a trial and between trials") {
     Stroking device;
     ServoSpec spec = modest();
     spec.spin_share = 0.3;
@@ -298,7 +292,7 @@ TEST_CASE("the real-time tick allocates nothing, in a trial and between trials",
     CHECK(tests::allocations() == before);
 }
 
-TEST_CASE("the virtual servo allocates nothing between begin and end", "[servo][law]") {
+TEST_CASE("the virtual servo allocates nothing between begin and end") {
     Stroking device;
     VirtualServo servo(device, modest());
     const Scene felt = scene(5.0);
@@ -311,8 +305,8 @@ TEST_CASE("the virtual servo allocates nothing between begin and end", "[servo][
     CHECK(tests::allocations() == before);
 }
 
-TEST_CASE("a reading that is no number trips, and every recorded force still follows from its HIP",
-          "[servo][law]") {
+TEST_CASE(
+    "a reading that is no number trips, and every recorded force still follows from its HIP") {
     class Broken : public Stroking {
     public:
         Reading read() noexcept override {
@@ -345,7 +339,7 @@ TEST_CASE("a reading that is no number trips, and every recorded force still fol
     }
 }
 
-TEST_CASE("lateness is counted for every tick of every trial and for no other", "[servo][law]") {
+TEST_CASE("lateness is counted for every tick of every trial and for no other") {
     Stroking device;
     ThreadServo servo(device, modest());
     const Scene felt = scene(5.0);
@@ -372,7 +366,7 @@ TEST_CASE("lateness is counted for every tick of every trial and for no other", 
     CHECK(servo.lateness().missed() >= missed);
 }
 
-TEST_CASE("a share of spinning outside 0 to 0.5 is refused with the value", "[servo]") {
+TEST_CASE("a share of spinning outside 0 to 0.5 is refused with the value") {
     Stroking device;
     ServoSpec spec = modest();
     spec.spin_share = 0.75;

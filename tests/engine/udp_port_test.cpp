@@ -62,7 +62,7 @@ TEST_CASE("nobody at a UDP port is said with what to do, and so is a machine tha
 
 TEST_CASE(
     "a host that dies over UDP is disarmed by its guard, and by the board's watchdog without one",
-    "[open][guard][law]") {
+    "[open]") {
     EACH(guarded, true, false);
     const Calibration machine = open_machine();
     GuidedHand plant(machine);

@@ -21,7 +21,7 @@ std::shared_ptr<const Outline> barb(double height, double foot) {
 
 }  // namespace
 
-TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
+TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule") {
     // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays
     // that of the spring, in a straight line with HIP, although the closest feature changes.
     const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}),
@@ -42,8 +42,8 @@ TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "
     CHECK(changes > 0);
 }
 
-TEST_CASE("a convex vertex is crossed whole, and the GO arrives on the other curve's closest point",
-          "[vertex]") {
+TEST_CASE(
+    "a convex vertex is crossed whole, and the GO arrives on the other curve's closest point") {
     for (const Slew& slew : {Slew{}, kStudySlew}) {
         const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.slew = slew});
         ContactState state;
@@ -62,7 +62,7 @@ TEST_CASE("a convex vertex is crossed whole, and the GO arrives on the other cur
     }
 }
 
-TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vertex]") {
+TEST_CASE("slew spreads the corner: smaller steps of force than without") {
     const auto largest_step = [](const Slew& slew) {
         const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.slew = slew});
         ContactState state;
@@ -82,8 +82,7 @@ TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vert
     CHECK(largest_step(kStudySlew) < 0.3);
 }
 
-TEST_CASE("a step is felt as it is, whatever its height and the way that its wall leans",
-          "[vertex][law]") {
+TEST_CASE("a step is felt as it is, whatever its height and the way that its wall leans") {
     // A hand goes over a step down, deeper than it is high. The ground is parallel on both sides,
     // so that a frictionless hand feels K times its depth below the one that it is over.
     Random random(31);
@@ -108,8 +107,7 @@ TEST_CASE("a step is felt as it is, whatever its height and the way that its wal
     }
 }
 
-TEST_CASE("past the tip of a thin spike a hand in the object feels it in the same tick",
-          "[vertex][law]") {
+TEST_CASE("past the tip of a thin spike a hand in the object feels it in the same tick") {
     // Friction holds the god-object on the spike until it goes over its tip; HIP is deep in what
     // the spike grows from.
     for (const Slew& slew : {Slew{}, kStudySlew}) {
@@ -134,8 +132,7 @@ TEST_CASE("past the tip of a thin spike a hand in the object feels it in the sam
     }
 }
 
-TEST_CASE("in a concave vertex both normals carry, and no friction lets go of the force",
-          "[vertex][law]") {
+TEST_CASE("in a concave vertex both normals carry, and no friction lets go of the force") {
     SEEDED(random, std::uint64_t{50});
     const double angle = random.in(0.2, 1.5);  // turn to the left
     const Scene scene(corner({-0.1, 0.0}, {0.1 * std::cos(angle), 0.1 * std::sin(angle)}),
@@ -155,7 +152,7 @@ TEST_CASE("in a concave vertex both normals carry, and no friction lets go of th
     CHECK(std::fabs(c.tangential_force) < 1e-9);
 }
 
-TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", "[vertex]") {
+TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone") {
     const Scene scene(polyline({{-0.1, 0.0}, {0.0, 0.0}}), {});
     ContactState state;
     Contact c;
@@ -169,7 +166,7 @@ TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", 
     CHECK(c.mode == Mode::free);
 }
 
-TEST_CASE("starting inside the object begins a contact at the closest point", "[vertex]") {
+TEST_CASE("starting inside the object begins a contact at the closest point") {
     const Scene scene(stimuli::make_outline({}), {.friction = kStudyFriction, .slew = kStudySlew});
     ContactState state;
     const Contact c = scene.tick(state, {-0.021, 0.017});
@@ -179,7 +176,7 @@ TEST_CASE("starting inside the object begins a contact at the closest point", "[
     CHECK(std::fabs(c.normal_force - 1000.0 * 0.002 / std::sqrt(2.0)) < 1e-9);
 }
 
-TEST_CASE("mu does not heal while a sliding contact turns round a vertex", "[vertex][law]") {
+TEST_CASE("mu does not heal while a sliding contact turns round a vertex") {
     SEEDED(random, 20U, 2909U);
     const double slope = random.in(0.2, 1.8);  // steeper, it sticks before
     const Scene scene(
@@ -205,7 +202,7 @@ TEST_CASE("mu does not heal while a sliding contact turns round a vertex", "[ver
     CHECK(turning > 0);
 }
 
-TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up", "[geometry]") {
+TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up") {
     // Each arc turns by 2 asin(kappa c / 2) over its chord, half of it at either end.
     EACH(kappa, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
@@ -218,7 +215,7 @@ TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up
     CHECK(outline->seams()[2].kind == SeamKind::convex);
 }
 
-TEST_CASE("seams are classified by the side to which the outline turns", "[geometry]") {
+TEST_CASE("seams are classified by the side to which the outline turns") {
     const auto bend = [](Vec2 end) {
         return Outline({make_line({-1.0, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, end)}, false)
             .seams()[0];
@@ -228,7 +225,7 @@ TEST_CASE("seams are classified by the side to which the outline turns", "[geome
     CHECK(bend({1.0, 0.0}).kind == SeamKind::smooth);
 }
 
-TEST_CASE("an outline that is not one is refused with the reason", "[geometry]") {
+TEST_CASE("an outline that is not one is refused with the reason") {
     CHECK_THROWS_WITH(Outline(std::vector<RationalBezier<2>>{}, false), Has("at least one"));
     CHECK_THROWS_WITH(
         Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.1}, {2.0, 0.0})}, false),
@@ -241,7 +238,7 @@ TEST_CASE("an outline that is not one is refused with the reason", "[geometry]")
         Has("clockwise"));
 }
 
-TEST_CASE("walking over every end of a closed outline comes back to the start", "[geometry]") {
+TEST_CASE("walking over every end of a closed outline comes back to the start") {
     const auto outline = stimuli::make_outline({});
     std::size_t segment = 0;
     for (int i = 0; i < 3; ++i) {

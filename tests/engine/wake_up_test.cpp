@@ -18,8 +18,7 @@ std::int64_t some_lateness(std::mt19937& random, std::int64_t period) {
 }  // namespace
 
 TEST_CASE(
-    "a deadline is always the first point of the grid after the last wake-up, found by counting",
-    "[servo][law]") {
+    "a deadline is always the first point of the grid after the last wake-up, found by counting") {
     SEED(50U);
     std::mt19937 random(seed);
     const std::int64_t period = 100'000 + static_cast<std::int64_t>(random() % 900'001);
@@ -43,15 +42,13 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a wake-up before its deadline, as no sleep gives one, still goes one period on",
-          "[servo]") {
+TEST_CASE("a wake-up before its deadline, as no sleep gives one, still goes one period on") {
     DeadlineGrid grid(1'000, 100);
     CHECK(grid.pass(-5'000) == 0);
     CHECK(grid.deadline() == 1'100);
 }
 
-TEST_CASE("the watch before a deadline never passes its bound, whatever the lateness was",
-          "[servo][law]") {
+TEST_CASE("the watch before a deadline never passes its bound, whatever the lateness was") {
     SEED(100U);
     std::mt19937 random(seed);
     const std::int64_t max = seed == 0 ? 0 : static_cast<std::int64_t>(random() % 500'000);
@@ -64,8 +61,7 @@ TEST_CASE("the watch before a deadline never passes its bound, whatever the late
     }
 }
 
-TEST_CASE("the watch settles where about one sleep in 512 ends later, for two kinds of machine",
-          "[servo][law]") {
+TEST_CASE("the watch settles where about one sleep in 512 ends later, for two kinds of machine") {
     const double scale = GENERATE(8'000.0, 40'000.0);
     std::mt19937 random(7);
     AdaptiveSpin spin(500'000);
@@ -84,8 +80,7 @@ TEST_CASE("the watch settles where about one sleep in 512 ends later, for two ki
     CHECK(share < 2.0 / 512.0);
 }
 
-TEST_CASE("quantiles of the lateness histogram are those of the sorted values, to 1/32",
-          "[servo][law]") {
+TEST_CASE("quantiles of the lateness histogram are those of the sorted values, to 1/32") {
     SEED(40U);
     std::mt19937 random(seed);
     LatenessHistogram histogram;
@@ -113,8 +108,8 @@ TEST_CASE("quantiles of the lateness histogram are those of the sorted values, t
     }
 }
 
-TEST_CASE("a lateness histogram of parts is the histogram of the whole, and holds what no bin does",
-          "[servo][law]") {
+TEST_CASE(
+    "a lateness histogram of parts is the histogram of the whole, and holds what no bin does") {
     std::mt19937 random(3);
     LatenessHistogram whole;
     std::array<LatenessHistogram, 3> parts{};
@@ -141,7 +136,7 @@ TEST_CASE("a lateness histogram of parts is the histogram of the whole, and hold
     CHECK(odd.below(1'000) == 1);
 }
 
-TEST_CASE("a histogram describes itself in a line", "[servo]") {
+TEST_CASE("a histogram describes itself in a line") {
     LatenessHistogram histogram;
     for (int i = 0; i < 99; ++i) {
         histogram.add(63, false);
@@ -153,8 +148,7 @@ TEST_CASE("a histogram describes itself in a line", "[servo]") {
           "half a period late, 2 missed");
 }
 
-TEST_CASE("the latest value is never torn and never goes back, with two readers at full speed",
-          "[servo][law]") {
+TEST_CASE("the latest value is never torn and never goes back, with two readers at full speed") {
     struct Value {
         std::int64_t number = 0;
         std::array<std::int64_t, 10> echoes{};
@@ -202,8 +196,7 @@ TEST_CASE("the latest value is never torn and never goes back, with two readers 
     CHECK_FALSE(wrong.load());
 }
 
-TEST_CASE("each right that was refused comes with its reason and a remedy, the others with none",
-          "[servo]") {
+TEST_CASE("each right that was refused comes with its reason and a remedy, the others with none") {
     for (std::size_t i = 0; i < kRights; ++i) {
         const auto right = static_cast<Right>(i);
         RealtimeRights rights;

@@ -1,12 +1,5 @@
 // Figure 3.1.4: static friction at a corner: HIP in the region of another curve than the one on
 // which GO stands.
-#include <algorithm>
-#include <array>
-#include <memory>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/friction_run.hpp"
@@ -66,12 +59,6 @@ std::vector<CornerTick> corner_run(const RegionMap& map) {
     return run;
 }
 
-Series corner_dot(const char* name, const Vec2& place, Ink ink) {
-    Series series = dots_mm(name, std::array<Vec2, 1>{place});
-    series.ink = ink;
-    return series;
-}
-
 }  // namespace
 
 MadeFigure make_corner_hold() {
@@ -90,21 +77,16 @@ MadeFigure make_corner_hold() {
             way.push_back(tick.hip);
         }
     }
-    Series trace = path_mm("path of HIP", way);
-    trace.ink = Ink::grey;
     panel.series = {outline_mm(curves_of(object)),
                     border_series(map, pieces, false),
-                    trace,
-                    corner_dot("CP", now.cp, Ink::orange),
-                    corner_dot("HIP", now.hip, Ink::vermillion),
-                    corner_dot("GO", now.go, Ink::blue)};
+                    path_mm("path of HIP", way, {Ink::grey}),
+                    dot_mm("CP", now.cp, Ink::orange),
+                    dot_mm("HIP", now.hip, Ink::vermillion),
+                    dot_mm("GO", now.go, Ink::blue)};
     panel.arrows.push_back({kMillimetres * now.hip.x, kMillimetres * now.hip.y,
                             kCornerArrow * now.force.x, kCornerArrow * now.force.y, "force",
                             Ink::green});
-    panel.x.low = -30.0;
-    panel.x.high = 26.0;
-    panel.y.low = 14.0;
-    panel.y.high = 50.0;
+    look_at(panel, -30.0, 26.0, 14.0, 50.0);
     Figure figure{.id = "fig_3_1_4",
                   .title = "Figure 3.1.4: static friction at a corner",
                   .panels = {panel},
@@ -116,20 +98,14 @@ MadeFigure make_corner_hold() {
         "god-object still stands on the first, and the force is that of the spring between it and "
         "HIP: no switch of regions releases what sticks.",
         kMillimetres * kCornerDepth);
-    return {
-        svg(figure),
-        {{"",
-          {column("time_s", run, [](const CornerTick& tick) { return tick.t; }),
-           column("mode", run, [](const CornerTick& tick) { return static_cast<int>(tick.mode); }),
-           column("region", run, [](const CornerTick& tick) { return tick.region; }),
-           column("hip_x_m", run, [](const CornerTick& tick) { return tick.hip.x; }),
-           column("hip_y_m", run, [](const CornerTick& tick) { return tick.hip.y; }),
-           column("cp_x_m", run, [](const CornerTick& tick) { return tick.cp.x; }),
-           column("cp_y_m", run, [](const CornerTick& tick) { return tick.cp.y; }),
-           column("go_x_m", run, [](const CornerTick& tick) { return tick.go.x; }),
-           column("go_y_m", run, [](const CornerTick& tick) { return tick.go.y; }),
-           column("force_x_n", run, [](const CornerTick& tick) { return tick.force.x; }),
-           column("force_y_n", run, [](const CornerTick& tick) { return tick.force.y; })}}}};
+    std::vector<CsvColumn> table{column("time_s", run, &CornerTick::t),
+                                 column("mode", run, &CornerTick::mode),
+                                 column("region", run, &CornerTick::region)};
+    add_vectors(table, "hip", "m", run, &CornerTick::hip);
+    add_vectors(table, "cp", "m", run, &CornerTick::cp);
+    add_vectors(table, "go", "m", run, &CornerTick::go);
+    add_vectors(table, "force", "n", run, &CornerTick::force);
+    return {svg(figure), {{"", table}}};
 }
 
 }  // namespace palpate::figures

@@ -1,15 +1,7 @@
 #pragma once
 
-#include <cmath>
-#include <iterator>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "data/csv/csv_text.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::figures {
 
@@ -18,6 +10,13 @@ struct CsvColumn {
     std::string name{};
     std::vector<double> values{};
 };
+
+/// One more row, a number a column.
+inline void add_row(std::vector<CsvColumn>& table, std::initializer_list<double> row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        table.at(i).values.push_back(row.begin()[i]);
+    }
+}
 
 /// Comma-separated text (RFC 4180, "\n"): a line of names, then a line a row. Each number in the
 /// fewest digits that read back to the same bits; NaN is an empty field, infinities are inf and

@@ -1,9 +1,4 @@
 // Figure 4.4.1: a dynamic NURBS curve at rest under a force at its middle and at its ends.
-#include <array>
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
@@ -65,18 +60,10 @@ Deformed deformed(const Load& load) {
 
 Panel panel_of(const Load& load, const Deformed& shown) {
     Panel panel = plane_mm(fmt::format("({}) force at u = {}", load.name, load.u), 240.0);
-    Series rest = path_mm("at rest", shown.rest);
-    rest.ink = Ink::blue;
-    rest.width = 2.0;
-    Series bent = path_mm("deformed", shown.bent);
-    bent.ink = Ink::vermillion;
-    bent.stroke = Stroke::dashed;
-    bent.width = 2.0;
-    Series points_rest = dots_mm("control points at rest", shown.points_rest);
-    points_rest.ink = Ink::blue;
-    Series points_bent = dots_mm("displaced", shown.points_bent);
-    points_bent.ink = Ink::vermillion;
-    panel.series = {rest, points_rest, bent, points_bent};
+    panel.series = {path_mm("at rest", shown.rest, {Ink::blue, 2.0}),
+                    dots_mm("control points at rest", shown.points_rest, Ink::blue),
+                    path_mm("deformed", shown.bent, {Ink::vermillion, 2.0, Stroke::dashed}),
+                    dots_mm("displaced", shown.points_bent, Ink::vermillion)};
     panel.arrows = {{.x = kMillimetres * shown.loaded.x,
                      .y = kMillimetres * shown.loaded.y,
                      .dx = kMmPerN * load.force.x,
@@ -105,12 +92,10 @@ MadeFigure make_deformation() {
     for (const Load& load : loads()) {
         const Deformed shown = deformed(load);
         figure.panels.push_back(panel_of(load, shown));
-        made.tables.push_back({fmt::format("_{}", load.name),
-                               {{"u", shown.u},
-                                column("rest_x_m", shown.rest, [](Vec2 p) { return p.x; }),
-                                column("rest_y_m", shown.rest, [](Vec2 p) { return p.y; }),
-                                column("deformed_x_m", shown.bent, [](Vec2 p) { return p.x; }),
-                                column("deformed_y_m", shown.bent, [](Vec2 p) { return p.y; })}});
+        std::vector<CsvColumn> table{{"u", shown.u}};
+        add_vectors(table, "rest", "m", shown.rest, std::identity());
+        add_vectors(table, "deformed", "m", shown.bent, std::identity());
+        made.tables.push_back({fmt::format("_{}", load.name), table});
     }
     made.svg = svg(figure);
     return made;

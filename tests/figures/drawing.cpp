@@ -1,7 +1,5 @@
 #include "tests/figures/drawing.hpp"
 
-#include <limits>
-
 namespace palpate::figures {
 
 using engine::Vec2;
@@ -11,19 +9,29 @@ Vec2 gap() {
     return {kNone, kNone};
 }
 
-Series path_mm(std::string name, std::span<const Vec2> points) {
-    Series series{.name = std::move(name)};
-    for (const Vec2& p : points) {
-        series.x.push_back(kMillimetres * p.x);
-        series.y.push_back(kMillimetres * p.y);
-    }
+Series with_look(Series series, const Look& look) {
+    series.ink = look.ink;
+    series.width = look.width;
+    series.stroke = look.stroke;
     return series;
 }
 
-Series dots_mm(std::string name, std::span<const Vec2> points) {
-    Series series = path_mm(std::move(name), points);
+Series path_mm(std::string name, std::span<const Vec2> points, const Look& look) {
+    Series series{.name = std::move(name)};
+    for (const Vec2& p : points) {
+        series.add(kMillimetres * p.x, kMillimetres * p.y);
+    }
+    return with_look(std::move(series), look);
+}
+
+Series dots_mm(std::string name, std::span<const Vec2> points, Ink ink) {
+    Series series = path_mm(std::move(name), points, {ink});
     series.mark = Mark::points;
     return series;
+}
+
+Series dot_mm(std::string name, const Vec2& place, Ink ink) {
+    return dots_mm(std::move(name), {&place, 1}, ink);
 }
 
 Series outline_mm(const std::vector<engine::NurbsCurve<2>>& curves) {
@@ -36,10 +44,7 @@ Series outline_mm(const std::vector<engine::NurbsCurve<2>>& curves) {
                 curve.at(curve.front() + share * (curve.back() - curve.front())).point);
         }
     }
-    Series series = path_mm("object", points);
-    series.ink = Ink::black;
-    series.width = 2.0;
-    return series;
+    return path_mm("object", points, {Ink::black, 2.0});
 }
 
 std::vector<Series> control_points_mm(const Polygons& polygons) {
@@ -50,22 +55,15 @@ std::vector<Series> control_points_mm(const Polygons& polygons) {
         lines.push_back(gap());
         points.insert(points.end(), polygon.begin(), polygon.end());
     }
-    Series polygon = path_mm("", lines);
-    polygon.ink = Ink::orange;
-    polygon.stroke = Stroke::dotted;
-    polygon.width = 1.2;
-    Series dots = dots_mm("control points", points);
-    dots.ink = Ink::orange;
-    return {polygon, dots};
+    return {path_mm("", lines, {Ink::orange, 1.2, Stroke::dotted}),
+            dots_mm("control points", points, Ink::orange)};
 }
 
 std::vector<CsvColumn> control_point_table(const Polygons& polygons) {
     std::vector<CsvColumn> table{{"curve", {}}, {"control_x_m", {}}, {"control_y_m", {}}};
     for (std::size_t i = 0; i < polygons.size(); ++i) {
         for (const Vec2& p : polygons[i]) {
-            table[0].values.push_back(static_cast<double>(i));
-            table[1].values.push_back(p.x);
-            table[2].values.push_back(p.y);
+            add_row(table, {static_cast<double>(i), p.x, p.y});
         }
     }
     return table;
@@ -76,6 +74,20 @@ Panel plane_mm(std::string title, double height, std::string across, std::string
             .x = {.label = std::move(across), .unit = "mm"},
             .y = {.label = std::move(up), .unit = "mm"},
             .equal_aspect = true,
+            .height = height};
+}
+
+void look_at(Panel& panel, double left, double right, double bottom, double top) {
+    panel.x.low = left;
+    panel.x.high = right;
+    panel.y.low = bottom;
+    panel.y.high = top;
+}
+
+Panel time_panel(std::string title, std::string what, std::string unit, double height) {
+    return {.title = std::move(title),
+            .x = {.label = "time", .unit = "s"},
+            .y = {.label = std::move(what), .unit = std::move(unit)},
             .height = height};
 }
 

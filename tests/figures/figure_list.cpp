@@ -1,7 +1,5 @@
 #include "tests/figures/figure_list.hpp"
 
-#include <array>
-
 namespace palpate::figures {
 namespace {
 

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "tests/figures/make.hpp"
 
 /// The figures of the thesis, each computed by a run of the engine: `palpate figures`.

@@ -1,10 +1,4 @@
 // Figures 3.2.2 to 3.2.4: forces, coefficient and parameters over the pre-determined path.
-#include <cmath>
-#include <limits>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/friction_run.hpp"
 #include "tests/figures/make.hpp"
@@ -32,26 +26,20 @@ Runs both() {
     return runs;
 }
 
+/// Value of each instant of ours.
 template <class Value>
-Series over_time(std::string name, const FrictionRun& run, Value&& value) {
-    Series series{.name = std::move(name)};
-    for (const FrictionTick& tick : run) {
-        series.x.push_back(tick.t);
-        series.y.push_back(value(tick));
-    }
-    return series;
+std::vector<data::Marker> marked(const Runs& runs, const Value& value) {
+    return numbered(runs.markers, [&](std::size_t i) {
+        return engine::Vec2{runs.gos[i].t, std::invoke(value, runs.gos[i])};
+    });
 }
 
+/// Ours, and the thesis' law to compare.
 template <class Value>
-std::vector<data::Marker> numbered(const Runs& runs, Value&& value) {
-    std::vector<data::Marker> out;
-    for (std::size_t k = 0; k < runs.markers.size(); ++k) {
-        if (runs.markers[k]) {
-            const FrictionTick& tick = runs.gos[*runs.markers[k]];
-            out.push_back({tick.t, value(tick), std::to_string(k + 1)});
-        }
-    }
-    return out;
+std::vector<Series> both_over_time(const Runs& runs, const Value& value) {
+    return {
+        over_time("ours (god-object spring)", runs.gos, value),
+        over_time("thesis, latched", runs.latched, value, {Ink::vermillion, 1.2, Stroke::dashed})};
 }
 
 double size_of_friction(const FrictionTick& tick) {
@@ -60,20 +48,6 @@ double size_of_friction(const FrictionTick& tick) {
 
 double size_of_force(const FrictionTick& tick) {
     return glm::length(tick.force);
-}
-
-Series compared(Series series) {
-    series.ink = Ink::vermillion;
-    series.stroke = Stroke::dashed;
-    series.width = 1.2;
-    return series;
-}
-
-Panel time_panel(std::string title, std::string what, std::string unit, double height) {
-    return {.title = std::move(title),
-            .x = {.label = "time", .unit = "s"},
-            .y = {.label = std::move(what), .unit = std::move(unit)},
-            .height = height};
 }
 
 double at_marker(const Runs& runs, std::size_t number, double (*value)(const FrictionTick&)) {
@@ -88,27 +62,22 @@ std::vector<CsvColumn> marker_table(const Runs& runs) {
         const auto time = [](const FrictionRun& run, const std::optional<std::size_t>& at) {
             return at ? run[*at].t : std::numeric_limits<double>::quiet_NaN();
         };
-        table[0].values.push_back(static_cast<double>(k + 1));
-        table[1].values.push_back(time(runs.gos, runs.markers[k]));
-        table[2].values.push_back(time(runs.latched, runs.latched_markers[k]));
+        add_row(table, {static_cast<double>(k + 1), time(runs.gos, runs.markers[k]),
+                        time(runs.latched, runs.latched_markers[k])});
     }
     return table;
 }
 
 void add_run(std::vector<CsvColumn>& table, const std::string& law, const FrictionRun& run) {
-    using Tick = FrictionTick;
-    table.push_back(
-        column(law + "_mode", run, [](const Tick& t) { return static_cast<int>(t.mode); }));
-    table.push_back(
-        column(law + "_friction_n", run, [](const Tick& t) { return t.friction_force; }));
-    table.push_back(column(law + "_normal_n", run, [](const Tick& t) { return t.normal_force; }));
-    table.push_back(column(law + "_force_x_n", run, [](const Tick& t) { return t.force.x; }));
-    table.push_back(column(law + "_force_y_n", run, [](const Tick& t) { return t.force.y; }));
-    table.push_back(column(law + "_mu", run, [](const Tick& t) { return t.mu; }));
+    table.push_back(column(law + "_mode", run, &FrictionTick::mode));
+    table.push_back(column(law + "_friction_n", run, &FrictionTick::friction_force));
+    table.push_back(column(law + "_normal_n", run, &FrictionTick::normal_force));
+    add_vectors(table, law + "_force", "n", run, &FrictionTick::force);
+    table.push_back(column(law + "_mu", run, &FrictionTick::mu));
 }
 
 std::vector<CsvColumn> time_column(const Runs& runs) {
-    return {column("time_s", runs.gos, [](const FrictionTick& t) { return t.t; })};
+    return {column("time_s", runs.gos, &FrictionTick::t)};
 }
 
 /// Does Algorithm 1 as written go from slipping to stuck while HIP presses deeper?
@@ -155,33 +124,29 @@ std::string forces_caption(const Runs& runs) {
 }
 
 /// u of a place, with a gap where it passes to another curve.
-template <class Curve, class Parameter>
-Series parameter_series(std::string name, const FrictionRun& run, Curve&& curve, Parameter&& u) {
+Series parameter_series(std::string name,
+                        const FrictionRun& run,
+                        std::size_t FrictionTick::*curve,
+                        double FrictionTick::*u,
+                        const Look& look) {
     Series series{.name = std::move(name)};
     for (std::size_t i = 0; i < run.size(); ++i) {
-        if (i > 0 && curve(run[i]) != curve(run[i - 1])) {
-            series.x.push_back(run[i].t);
-            series.y.push_back(std::numeric_limits<double>::quiet_NaN());
+        if (i > 0 && run[i].*curve != run[i - 1].*curve) {
+            series.add(run[i].t, std::numeric_limits<double>::quiet_NaN());
         }
-        series.x.push_back(run[i].t);
-        series.y.push_back(u(run[i]));
+        series.add(run[i].t, run[i].*u);
     }
-    return series;
+    return with_look(std::move(series), look);
 }
 
 Panel places_panel(std::string title, const FrictionRun& run) {
     Panel panel = time_panel(std::move(title), "u", "", 230.0);
     panel.y.low = -0.03;
     panel.y.high = 1.08;
-    panel.series = {parameter_series(
-                        "closest point", run, [](const FrictionTick& t) { return t.cp_curve; },
-                        [](const FrictionTick& t) { return t.cp_u; }),
-                    parameter_series(
-                        "god-object", run, [](const FrictionTick& t) { return t.go_curve; },
-                        [](const FrictionTick& t) { return t.go_u; })};
-    panel.series[0].ink = Ink::sky;
-    panel.series[0].width = 3.0;
-    panel.series[1].ink = Ink::black;
+    panel.series = {parameter_series("closest point", run, &FrictionTick::cp_curve,
+                                     &FrictionTick::cp_u, {Ink::sky, 3.0}),
+                    parameter_series("god-object", run, &FrictionTick::go_curve,
+                                     &FrictionTick::go_u, {Ink::black})};
     return panel;
 }
 
@@ -190,13 +155,11 @@ Panel places_panel(std::string title, const FrictionRun& run) {
 MadeFigure make_friction_forces() {
     const Runs runs = both();
     Panel friction = time_panel("(a) Friction force", "|F_T|", "N", 270.0);
-    friction.series = {over_time("ours (god-object spring)", runs.gos, &size_of_friction),
-                       compared(over_time("thesis, latched", runs.latched, &size_of_friction))};
-    friction.markers = numbered(runs, &size_of_friction);
+    friction.series = both_over_time(runs, &size_of_friction);
+    friction.markers = marked(runs, &size_of_friction);
     Panel total = time_panel("(b) Total force", "|F|", "N", 270.0);
-    total.series = {over_time("ours (god-object spring)", runs.gos, &size_of_force),
-                    compared(over_time("thesis, latched", runs.latched, &size_of_force))};
-    total.markers = numbered(runs, &size_of_force);
+    total.series = both_over_time(runs, &size_of_force);
+    total.markers = marked(runs, &size_of_force);
     Figure figure{.id = "fig_3_2_2",
                   .title = "Figure 3.2.2: friction and total force over the pre-determined path",
                   .panels = {friction, total},
@@ -216,21 +179,19 @@ MadeFigure make_stribeck() {
     Panel panel = time_panel("", "coefficient of friction μ", "", 280.0);
     panel.y.low = 0.47;
     panel.y.high = 0.74;
-    panel.series = {over_time("ours (god-object spring)", runs.gos, mu),
-                    compared(over_time("thesis, latched", runs.latched, mu))};
-    panel.markers = numbered(runs, mu);
+    panel.series = both_over_time(runs, mu);
+    panel.markers = marked(runs, mu);
     const FrictionTick& end = runs.latched[runs.markers[7].value_or(0)];
     Figure figure{.id = "fig_3_2_3",
                   .title = "Figure 3.2.3: the coefficient of friction over the path",
                   .panels = {panel},
-                  .caption = "",
                   .width = 980.0};
     figure.caption = fmt::format(
         "While GO moves, our μ falls from μ_s to μ_d with a time constant of {:g} ms; while it "
         "rests, μ heals with {:g} ms. The thesis takes μ from how far GO lags behind the closest "
         "point: at 8, sliding on at 20 mm/s, its μ still stands at {:.3f}, and would stand "
         "higher the faster the hand goes, the opposite of the Stribeck effect. Gaps: no contact.",
-        1e3 * kFrictionSlip, 1e3 * kFrictionHeal, end.mu);
+        1e3 * tests::kStudyFriction.tau_slip, 1e3 * tests::kStudyFriction.tau_heal, end.mu);
     std::vector<CsvColumn> table = time_column(runs);
     table.push_back(column("gos_mu", runs.gos, mu));
     table.push_back(column("thesis_latched_mu", runs.latched, mu));
@@ -240,12 +201,11 @@ MadeFigure make_stribeck() {
 MadeFigure make_places() {
     const Runs runs = both();
     Panel ours = places_panel("(a) Ours (god-object spring)", runs.gos);
-    ours.markers = numbered(runs, [](const FrictionTick& t) { return t.go_u; });
+    ours.markers = marked(runs, &FrictionTick::go_u);
     const Panel theirs = places_panel("(b) Thesis, latched", runs.latched);
     Figure figure{.id = "fig_3_2_4",
                   .title = "Figure 3.2.4: parameters of god-object and closest point",
                   .panels = {ours, theirs},
-                  .caption = "",
                   .width = 980.0};
     figure.caption =
         "u from 0 to 1 on each curve. GO stands while stuck, and the closest point goes ahead. "
@@ -258,14 +218,12 @@ MadeFigure make_places() {
     std::vector<CsvColumn> table = time_column(runs);
     for (const auto& [law, run] :
          {std::pair{"gos", &runs.gos}, {"thesis_latched", &runs.latched}}) {
-        using Tick = FrictionTick;
         const std::string name(law);
-        table.push_back(
-            column(name + "_mode", *run, [](const Tick& t) { return static_cast<int>(t.mode); }));
-        table.push_back(column(name + "_cp_curve", *run, [](const Tick& t) { return t.cp_curve; }));
-        table.push_back(column(name + "_cp_u", *run, [](const Tick& t) { return t.cp_u; }));
-        table.push_back(column(name + "_go_curve", *run, [](const Tick& t) { return t.go_curve; }));
-        table.push_back(column(name + "_go_u", *run, [](const Tick& t) { return t.go_u; }));
+        table.push_back(column(name + "_mode", *run, &FrictionTick::mode));
+        table.push_back(column(name + "_cp_curve", *run, &FrictionTick::cp_curve));
+        table.push_back(column(name + "_cp_u", *run, &FrictionTick::cp_u));
+        table.push_back(column(name + "_go_curve", *run, &FrictionTick::go_curve));
+        table.push_back(column(name + "_go_u", *run, &FrictionTick::go_u));
     }
     return {svg(figure), {{"", table}, {"_markers", marker_table(runs)}}};
 }

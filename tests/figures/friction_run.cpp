@@ -1,15 +1,8 @@
 #include "tests/figures/friction_run.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/objects.hpp"
 #include "tests/figures/thesis/thesis_scene.hpp"
-#include "tests/figures/tick_finder.hpp"
 #include "tests/support/frame.hpp"
 
 namespace palpate::figures {
@@ -17,17 +10,9 @@ namespace {
 
 using namespace palpate::engine;
 
-constexpr double kAbove = 0.005;     // m outside, to begin with and to end
-constexpr double kDepth = 0.005;     // m, of the first slide
-constexpr double kDeeper = 0.0085;   // m, of the second
-constexpr double kAlong = 0.02;      // m/s
-constexpr double kInwards = 0.02;    // m/s, along the normal
-constexpr double kPress = 0.01;      // m/s, from the first depth to the second
-constexpr double kFirst = 0.30;      // u of the first touch
-constexpr double kSlideOne = 0.012;  // m along, before pressing
-constexpr double kSlideTwo = 0.014;  // m along, after pressing
-constexpr double kCorner = 0.968;    // u of the second touch, near the vertex
-constexpr double kLevel = 0.014;     // m along the level stretch over the vertex
+constexpr double kAbove = 0.005;   // m outside, to begin with and to end
+constexpr double kCorner = 0.968;  // u of the second touch, near the vertex
+constexpr double kLevel = 0.014;   // m along the level stretch over the vertex
 constexpr double kReleaseGain =
     40.0;  // 1/s where the curve is fastest: GO after break-away, thesis
 
@@ -36,15 +21,7 @@ class PathPen {
 public:
     PathPen(const engine::NurbsCurve<2>& curve, Vec2 start) : curve_(&curve), path_{start} {}
 
-    void line(Vec2 to, double speed) {
-        const Vec2 from = path_.back();
-        const double length = glm::length(to - from);
-        const int ticks =
-            std::max(1, static_cast<int>(std::ceil(length / (speed * kFrictionTick))));
-        for (int i = 1; i <= ticks; ++i) {
-            path_.push_back(from + (static_cast<double>(i) / ticks) * (to - from));
-        }
-    }
+    void line(const Vec2& to, double speed) { go_straight(path_, to, speed); }
     /// From u on, `depth` below the curve, so far. @return u at the end
     double below(double u, double depth, double length, double speed) {
         const int ticks = static_cast<int>(std::ceil(length / (speed * kFrictionTick)));
@@ -99,11 +76,8 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
         std::make_shared<const engine::Outline>(curves_of(tests::two_polygons()), false);
     const engine::Scene scene(outline, {.stiffness = kFrictionStiffness,
                                         .period = kFrictionTick,
-                                        .friction = {.mu_s = kFrictionStatic,
-                                                     .mu_d = kFrictionDynamic,
-                                                     .tau_slip = kFrictionSlip,
-                                                     .tau_heal = kFrictionHeal},
-                                        .slew = {.speed = 0.2, .radius = 0.003}});
+                                        .friction = tests::kStudyFriction,
+                                        .slew = tests::kStudySlew});
     engine::ContactState state;
     engine::TrackState track;
     FrictionRun run;
@@ -167,51 +141,12 @@ FrictionRun felt_by_thesis(const std::vector<Vec2>& path, bool latched) {
 }
 
 FrictionMarkers find_markers(const FrictionRun& run) {
-    constexpr double kFriction = 1e-6;  // N: less is rounding
-    constexpr double kDeeperBy = 1e-6;  // m a tick: less is rounding
-    using Tick = FrictionTick;
-    const auto moves = [](const Tick&, const Tick&, const Tick& next) {
-        return std::fabs(next.friction_force) > kFriction;
-    };
-    const auto breaks = [](const Tick&, const Tick& now, const Tick&) {
-        return now.mode == Mode::transition || now.mode == Mode::slip;
-    };
-    const auto relaxed = [](const Tick&, const Tick& now, const Tick&) {
-        return now.mode == Mode::slip;
-    };
-    const auto deepens = [](const Tick&, const Tick& now, const Tick& next) {
-        return next.depth > now.depth + kDeeperBy;
-    };
-    const auto deep_enough = [](const Tick& before, const Tick& now, const Tick& next) {
-        return now.depth > before.depth + kDeeperBy && next.depth <= now.depth + kDeeperBy;
-    };
-    const auto sticks = [](const Tick&, const Tick& now, const Tick&) {
-        return now.mode == Mode::stuck;
-    };
-    const auto leaves = [](const Tick&, const Tick& now, const Tick& next) {
-        return next.depth < now.depth - kDeeperBy;
-    };
-    const auto touches = [](bool yes) {
-        return [yes](const Tick&, const Tick& now, const Tick&) {
-            return (now.mode != Mode::free) == yes;
-        };
-    };
-    TickFinder<FrictionTick> find(run);
+    using enum Instant;
+    const auto found =
+        instants_of(run, std::array{touches, moves, breaks, deepens, sticks, is_deep, breaks,
+                                    relaxed, leaves, lifts, touches, moves, breaks, relaxed});
     FrictionMarkers at;
-    find.next(touches(true));
-    at[0] = find.next(moves);
-    at[1] = find.next(breaks);
-    at[2] = find.next(deepens);
-    at[3] = find.next(sticks);
-    at[4] = find.next(deep_enough);
-    at[5] = find.next(breaks);
-    at[6] = find.next(relaxed);
-    at[7] = find.next(leaves);
-    at[8] = find.next(touches(false));
-    at[9] = find.next(touches(true));
-    at[10] = find.next(moves);
-    at[11] = find.next(breaks);
-    at[12] = find.next(relaxed);
+    std::copy(found.begin() + 1, found.end(), at.begin());  // the first touch is not marked
     return at;
 }
 

@@ -1,22 +1,12 @@
 #pragma once
 
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "engine/geometry/vec.hpp"
 #include "engine/rendering/mode.hpp"
+#include "tests/figures/instants.hpp"
 
 /// The pre-determined path of the thesis' chapter 3.2.1 on its object of two curves, felt by two
 /// laws.
 namespace palpate::figures {
-
-inline constexpr double kFrictionTick = 0.001;        ///< s
-inline constexpr double kFrictionStiffness = 1000.0;  ///< N/m
-inline constexpr double kFrictionStatic = 0.7;        ///< mu_s
-inline constexpr double kFrictionDynamic = 0.5;       ///< mu_d
-inline constexpr double kFrictionSlip = 0.02;         ///< s, tau_slip of our law
-inline constexpr double kFrictionHeal = 0.1;          ///< s, tau_heal of our law
 
 struct FrictionTick {
     double t = 0.0;  ///< s

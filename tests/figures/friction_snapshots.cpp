@@ -1,10 +1,4 @@
 // Figure 3.2.1: the pre-determined path, and HIP and god-object at moments of it.
-#include <algorithm>
-#include <array>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/friction_run.hpp"
 #include "tests/figures/make.hpp"
@@ -28,19 +22,7 @@ Series end_normals(const std::vector<engine::NurbsCurve<2>>& curves) {
             lines.insert(lines.end(), {jet.point, jet.point + kEnds * n, gap()});
         }
     }
-    Series series = path_mm("normals at the ends", lines);
-    series.ink = Ink::grey;
-    series.stroke = Stroke::dashed;
-    series.width = 1.1;
-    return series;
-}
-
-std::vector<Vec2> places(const FrictionRun& run, Vec2 FrictionTick::*what) {
-    std::vector<Vec2> out;
-    for (const FrictionTick& tick : run) {
-        out.push_back(tick.*what);
-    }
-    return out;
+    return path_mm("normals at the ends", lines, {Ink::grey, 1.1, Stroke::dashed});
 }
 
 /// One moment: its letter, which tick, and what happens.
@@ -78,35 +60,22 @@ Panel snapshot(const std::vector<engine::NurbsCurve<2>>& curves,
                const Moment& moment) {
     const FrictionTick& now = run[moment.tick];
     Panel panel = plane_mm(fmt::format("({}) {}", moment.letter, moment.what), 200.0);
-    Series trace =
-        path_mm("path of HIP so far",
-                places({run.begin(), run.begin() + static_cast<std::ptrdiff_t>(moment.tick + 1)},
-                       &FrictionTick::hip));
-    trace.ink = Ink::grey;
-    trace.width = 1.0;
-    const std::array<Vec2, 1> hip{now.hip};
-    const std::array<Vec2, 1> go{now.go};
-    const std::array<Vec2, 1> cp{now.cp};
-    Series hip_dot = dots_mm("HIP", hip);
-    hip_dot.ink = Ink::vermillion;
-    Series go_dot = dots_mm("GO", go);
-    go_dot.ink = Ink::blue;
-    Series cp_dot = dots_mm("CP", cp);
-    cp_dot.ink = Ink::orange;
-    Series object = outline_mm(curves);
-    object.name = "";
-    trace.name = "";
-    panel.series = {object, trace, cp_dot, hip_dot, go_dot};
+    std::vector<Vec2> so_far;
+    for (std::size_t i = 0; i <= moment.tick; ++i) {
+        so_far.push_back(run[i].hip);
+    }
+    panel.series = {outline_mm(curves), path_mm("", so_far, {Ink::grey, 1.0}),
+                    dot_mm("CP", now.cp, Ink::orange), dot_mm("HIP", now.hip, Ink::vermillion),
+                    dot_mm("GO", now.go, Ink::blue)};
+    panel.series.front().name = "";
     if (glm::length(now.force) > 0.0) {
         panel.arrows.push_back({kMillimetres * now.hip.x, kMillimetres * now.hip.y,
                                 kPerNewton * now.force.x, kPerNewton * now.force.y, "force",
                                 Ink::green});
     }
     const Vec2 middle = 0.5 * kMillimetres * (now.hip + now.go);
-    panel.x.low = middle.x - kHalfView;
-    panel.x.high = middle.x + kHalfView;
-    panel.y.low = middle.y - kHalfView * 0.7;
-    panel.y.high = middle.y + kHalfView * 0.9;
+    look_at(panel, middle.x - kHalfView, middle.x + kHalfView, middle.y - kHalfView * 0.7,
+            middle.y + kHalfView * 0.9);
     return panel;
 }
 
@@ -116,33 +85,14 @@ MadeFigure make_friction_path() {
     const Polygons object = tests::two_polygons();
     const auto curves = curves_of(object);
     const FrictionRun run = felt_by_gos(friction_path());
-    const FrictionMarkers at = find_markers(run);
     Panel panel = plane_mm("", 430.0);
     panel.series = control_points_mm(object);
     panel.series.push_back(outline_mm(curves));
     panel.series.push_back(end_normals(curves));
-    Series go = path_mm("GO in contact", {});
-    for (const FrictionTick& tick : run) {
-        const Vec2 p = tick.mode == engine::Mode::free ? gap() : kMillimetres * tick.go;
-        go.x.push_back(p.x);
-        go.y.push_back(p.y);
-    }
-    go.ink = Ink::sky;
-    go.width = 4.0;
-    panel.series.push_back(go);
-    Series hip = path_mm("HIP", places(run, &FrictionTick::hip));
-    hip.ink = Ink::vermillion;
-    panel.series.push_back(hip);
-    for (std::size_t k = 0; k < at.size(); ++k) {
-        if (at[k]) {
-            const Vec2 p = kMillimetres * run[*at[k]].hip;
-            panel.markers.push_back({p.x, p.y, std::to_string(k + 1)});
-        }
-    }
-    panel.y.low = 8.0;
-    panel.y.high = 46.0;
-    panel.x.low = -52.0;
-    panel.x.high = 52.0;
+    std::ranges::move(go_and_hip(run, std::identity()), std::back_inserter(panel.series));
+    panel.markers =
+        numbered(find_markers(run), [&](std::size_t i) { return kMillimetres * run[i].hip; });
+    look_at(panel, -52.0, 52.0, 8.0, 46.0);
     Figure figure{
         .id = "fig_3_2_1",
         .title = "Figure 3.2.1 (a): the object of two curves and the pre-determined path",
@@ -154,13 +104,10 @@ MadeFigure make_friction_path() {
             "over it. Numbers are instants of our run (figure 3.2.2). The thick line is where "
             "the god-object went while in contact.",
         .width = 980.0};
-    std::vector<CsvColumn> table{
-        column("time_s", run, [](const FrictionTick& t) { return t.t; }),
-        column("hip_x_m", run, [](const FrictionTick& t) { return t.hip.x; }),
-        column("hip_y_m", run, [](const FrictionTick& t) { return t.hip.y; }),
-        column("go_x_m", run, [](const FrictionTick& t) { return t.go.x; }),
-        column("go_y_m", run, [](const FrictionTick& t) { return t.go.y; }),
-        column("mode", run, [](const FrictionTick& t) { return static_cast<int>(t.mode); })};
+    std::vector<CsvColumn> table{column("time_s", run, &FrictionTick::t)};
+    add_vectors(table, "hip", "m", run, &FrictionTick::hip);
+    add_vectors(table, "go", "m", run, &FrictionTick::go);
+    table.push_back(column("mode", run, &FrictionTick::mode));
     return {svg(figure), {{"", table}, {"_object", control_point_table(object)}}};
 }
 
@@ -171,7 +118,6 @@ MadeFigure make_friction_moments() {
     Figure figure{
         .id = "fig_3_2_1_snapshots",
         .title = "Figure 3.2.1 (b) to (l): HIP and god-object at moments of the path",
-        .panels = {},
         .columns = 3,
         .share_x = false,
         .caption =
@@ -179,18 +125,16 @@ MadeFigure make_friction_moments() {
             "towards GO, 1.5 mm a newton. Grey: where HIP has been. In (k) the closest point "
             "(CP) is on the second curve already, and GO still stands on the first.",
         .width = 1080.0};
-    std::vector<CsvColumn> table{{"time_s", {}},    {"hip_x_m", {}}, {"hip_y_m", {}},
-                                 {"go_x_m", {}},    {"go_y_m", {}},  {"force_x_n", {}},
-                                 {"force_y_n", {}}, {"mode", {}}};
+    std::vector<FrictionTick> ticks;
     for (const Moment& moment : at) {
-        const FrictionTick& t = run[moment.tick];
+        ticks.push_back(run[moment.tick]);
         figure.panels.push_back(snapshot(curves, run, moment));
-        const std::array<double, 8> row{t.t,    t.hip.x,   t.hip.y,   t.go.x,
-                                        t.go.y, t.force.x, t.force.y, static_cast<double>(t.mode)};
-        for (std::size_t i = 0; i < row.size(); ++i) {
-            table[i].values.push_back(row[i]);
-        }
     }
+    std::vector<CsvColumn> table{column("time_s", ticks, &FrictionTick::t)};
+    add_vectors(table, "hip", "m", ticks, &FrictionTick::hip);
+    add_vectors(table, "go", "m", ticks, &FrictionTick::go);
+    add_vectors(table, "force", "n", ticks, &FrictionTick::force);
+    table.push_back(column("mode", ticks, &FrictionTick::mode));
     return {svg(figure), {{"", table}}};
 }
 

@@ -1,11 +1,4 @@
 // Figure 2.1.8: forces over time while HIP touches an object now and then.
-#include <cmath>
-#include <memory>
-#include <numbers>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
@@ -59,16 +52,6 @@ std::vector<Touch> touches() {
     return run;
 }
 
-template <class Value>
-Series touch_series(std::string name, const std::vector<Touch>& run, Value&& value) {
-    Series series{.name = std::move(name)};
-    for (const Touch& touch : run) {
-        series.x.push_back(touch.t);
-        series.y.push_back(value(touch));
-    }
-    return series;
-}
-
 }  // namespace
 
 MadeFigure make_touches() {
@@ -79,17 +62,12 @@ MadeFigure make_touches() {
     for (const Touch& touch : run) {
         path.push_back(touch.hip);
     }
-    Series hip = path_mm("HIP", path);
-    hip.ink = Ink::vermillion;
-    plane.series = {outline_mm(curves_of(object)), hip};
-    Panel force{.title = "(b) Force",
-                .x = {.label = "time", .unit = "s"},
-                .y = {.label = "force", .unit = "N"},
-                .height = 330.0};
+    plane.series = {outline_mm(curves_of(object)), path_mm("HIP", path, {Ink::vermillion})};
+    Panel force = time_panel("(b) Force", "force", "N", 330.0);
     force.series = {
-        touch_series("F_x", run, [](const Touch& touch) { return touch.force.x; }),
-        touch_series("F_y", run, [](const Touch& touch) { return touch.force.y; }),
-        touch_series("|F|", run, [](const Touch& touch) { return glm::length(touch.force); })};
+        over_time("F_x", run, [](const Touch& touch) { return touch.force.x; }),
+        over_time("F_y", run, [](const Touch& touch) { return touch.force.y; }),
+        over_time("|F|", run, [](const Touch& touch) { return glm::length(touch.force); })};
     Figure figure{.id = "fig_2_1_8",
                   .title = "Figure 2.1.8: force while HIP touches the object now and then",
                   .panels = {plane, force},
@@ -102,15 +80,12 @@ MadeFigure make_touches() {
         "thesis recorded this with a person at its pantograph (figure 2.1.7 is a picture of that); "
         "this is our renderer on a given path.",
         kMillimetres * kTouchDepth, kMillimetres * kTouchLift, kTouchStiffness);
-    return {svg(figure),
-            {{"",
-              {column("time_s", run, [](const Touch& touch) { return touch.t; }),
-               column("mode", run, [](const Touch& touch) { return static_cast<int>(touch.mode); }),
-               column("hip_x_m", run, [](const Touch& touch) { return touch.hip.x; }),
-               column("hip_y_m", run, [](const Touch& touch) { return touch.hip.y; }),
-               column("depth_m", run, [](const Touch& touch) { return touch.depth; }),
-               column("force_x_n", run, [](const Touch& touch) { return touch.force.x; }),
-               column("force_y_n", run, [](const Touch& touch) { return touch.force.y; })}}}};
+    std::vector<CsvColumn> table{column("time_s", run, &Touch::t),
+                                 column("mode", run, &Touch::mode)};
+    add_vectors(table, "hip", "m", run, &Touch::hip);
+    table.push_back(column("depth_m", run, &Touch::depth));
+    add_vectors(table, "force", "n", run, &Touch::force);
+    return {svg(figure), {{"", table}}};
 }
 
 }  // namespace palpate::figures

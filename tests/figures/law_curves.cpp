@@ -1,13 +1,5 @@
 // Figure 3.1.1: friction over speed by a stiction model, sharp and with the Stribeck effect, as
 // runs on a line measure it.
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/friction_run.hpp"
@@ -30,8 +22,7 @@ struct Pulled {
 
 /// HIP at `speed` along a line, constantly deep: friction over load.
 Pulled pulled(const engine::SceneSpec& spec, double speed) {
-    const auto line = std::make_shared<const engine::Outline>(
-        std::vector<engine::RationalBezier<2>>{engine::make_line({-1.0, 0.0}, {1.0, 0.0})}, false);
+    const auto line = tests::polyline({{-1.0, 0.0}, {1.0, 0.0}});
     const engine::Scene scene(line, spec);
     engine::ContactState state;
     Pulled out;
@@ -68,7 +59,6 @@ MadeFigure make_law_curves() {
     std::vector<CsvColumn> table{{"speed_m_per_s", speeds}};
     Figure figure{.id = "fig_3_1_1",
                   .title = "Figure 3.1.1: friction over speed by models of stiction",
-                  .panels = {},
                   .columns = 2,
                   .share_x = false,
                   .width = 940.0};
@@ -79,20 +69,14 @@ MadeFigure make_law_curves() {
                    .height = 240.0};
         Series moving{.name = "while it slides"};
         Series largest{.name = "at break-away", .ink = Ink::vermillion, .stroke = Stroke::dashed};
-        CsvColumn column_moving{.name = fmt::format("{}_sliding", name)};
-        CsvColumn column_largest{.name = fmt::format("{}_breakaway", name)};
         for (const double speed : speeds) {
             const Pulled one = pulled(spec, speed);
-            moving.x.push_back(kMillimetres * speed);
-            moving.y.push_back(one.dynamic_share);
-            largest.x.push_back(kMillimetres * speed);
-            largest.y.push_back(one.static_share);
-            column_moving.values.push_back(one.dynamic_share);
-            column_largest.values.push_back(one.static_share);
+            moving.add(kMillimetres * speed, one.dynamic_share);
+            largest.add(kMillimetres * speed, one.static_share);
         }
         made.series = {moving, largest};
-        table.push_back(column_moving);
-        table.push_back(column_largest);
+        table.push_back({fmt::format("{}_sliding", name), moving.y});
+        table.push_back({fmt::format("{}_breakaway", name), largest.y});
         figure.panels.push_back(made);
     };
     panel("(a) Stiction", pull_spec(nullptr), "stiction");

@@ -1,10 +1,4 @@
 // palpate-figures FOLDER: what `palpate figures -o FOLDER` becomes.
-#include <algorithm>
-#include <filesystem>
-#include <iterator>
-#include <stdexcept>
-#include <vector>
-
 #include "engine/base/files.hpp"
 #include "ui/command/command.hpp"
 #include "tests/figures/figure_list.hpp"

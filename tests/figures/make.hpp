@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "tests/figures/csv.hpp"
 
 /// One function a figure; what it shows stands in its caption.

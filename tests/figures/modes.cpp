@@ -1,9 +1,5 @@
 // Figure 3.1.2: the modes of our law and of the thesis', with how often a run went from one to
 // another.
-#include <array>
-
-#include <fmt/format.h>
-
 #include "tests/figures/friction_run.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/svg_diagram.hpp"
@@ -96,11 +92,8 @@ MadeFigure make_modes() {
     const Changes ours = changes_of(felt_by_gos(path));
     const Changes thesis = changes_of(felt_by_thesis(path, true));
     Diagram diagram{.title = "Figure 3.1.2: modes of friction, ours and the thesis'",
-                    .nodes = {},
-                    .transitions = {},
                     .headings = {{300.0, 16.0, "Ours: read off the god-object"},
                                  {890.0, 16.0, "Thesis: switched by conditions (latched reading)"}},
-                    .caption = "",
                     .width = 1180.0,
                     .height = 540.0};
     add_nodes(diagram, 300.0, Ink::blue);
@@ -120,10 +113,9 @@ MadeFigure make_modes() {
         {"from_mode", {}}, {"to_mode", {}}, {"gos_ticks", {}}, {"thesis_latched_ticks", {}}};
     for (std::size_t a = 0; a < kModes; ++a) {
         for (std::size_t b = 0; b < kModes; ++b) {
-            table[0].values.push_back(static_cast<double>(a));
-            table[1].values.push_back(static_cast<double>(b));
-            table[2].values.push_back(ours.at(a).at(b));
-            table[3].values.push_back(thesis.at(a).at(b));
+            add_row(table, {static_cast<double>(a), static_cast<double>(b),
+                            static_cast<double>(ours.at(a).at(b)),
+                            static_cast<double>(thesis.at(a).at(b))});
         }
     }
     return {svg(diagram), {{"", table}}};

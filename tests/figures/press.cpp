@@ -1,10 +1,4 @@
 // Figure 2.1.6: force against penetration depth.
-#include <array>
-#include <memory>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
@@ -51,10 +45,7 @@ Press press(double stiffness) {
 }  // namespace
 
 MadeFigure make_press() {
-    Panel over_time{.title = "(a) Force over time",
-                    .x = {.label = "time", .unit = "s"},
-                    .y = {.label = "force", .unit = "N"},
-                    .height = 260.0};
+    Panel in_time = time_panel("(a) Force over time", "force", "N", 260.0);
     Panel over_depth{.title = "(b) Force against depth",
                      .x = {.label = "penetration depth", .unit = "mm"},
                      .y = {.label = "force", .unit = "N"},
@@ -63,7 +54,7 @@ MadeFigure make_press() {
     for (const double stiffness : kStiffness) {
         const Press run = press(stiffness);
         const std::string name = fmt::format("K = {:g} N/m", stiffness);
-        over_time.series.push_back({.name = name, .x = run.t, .y = run.force});
+        in_time.series.push_back({.name = name, .x = run.t, .y = run.force});
         Series line{.name = name, .x = {}, .y = run.force};
         for (const double depth : run.depth) {
             line.x.push_back(kMillimetres * depth);
@@ -76,7 +67,7 @@ MadeFigure make_press() {
     }
     Figure figure{.id = "fig_2_1_6",
                   .title = "Figure 2.1.6: force against penetration depth",
-                  .panels = {over_time, over_depth},
+                  .panels = {in_time, over_depth},
                   .columns = 2,
                   .share_x = false,
                   .width = 900.0};

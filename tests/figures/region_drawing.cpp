@@ -11,12 +11,9 @@ Series border_series(const RegionMap& map, const std::vector<Border>& pieces, bo
             points.insert(points.end(), {b.from, b.to, gap()});
         }
     }
-    Series series = path_mm(external ? "external borders: normals at the ends"
-                                     : "internal borders: equally far from two curves",
-                            points);
-    series.ink = external ? Ink::blue : Ink::vermillion;
-    series.width = 1.4;
-    return series;
+    return external ? path_mm("external borders: normals at the ends", points, {Ink::blue, 1.4})
+                    : path_mm("internal borders: equally far from two curves", points,
+                              {Ink::vermillion, 1.4});
 }
 
 std::vector<Label> region_names(const RegionMap& map) {

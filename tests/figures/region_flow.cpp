@@ -1,12 +1,4 @@
 // Figure 2.1.5: how a path goes through the Voronoi regions of figure 2.1.4.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/region_drawing.hpp"
@@ -63,18 +55,11 @@ Panel tour_panel(const RegionMap& map, const Tour& tour) {
     Panel panel = plane_mm("(a) Path", 400.0);
     const std::vector<Border> pieces = borders(map, kLattice);
     panel.series = {outline_mm(curves_of(three_curves())), border_series(map, pieces, true),
-                    border_series(map, pieces, false), path_mm("HIP", tour.hip)};
-    panel.series.back().ink = Ink::green;
+                    border_series(map, pieces, false), path_mm("HIP", tour.hip, {Ink::green})};
     panel.labels = region_names(map);
-    const std::vector<std::size_t> at = switches(tour);
-    for (std::size_t k = 0; k < at.size(); ++k) {
-        const Vec2 p = kMillimetres * tour.hip[at[k]];
-        panel.markers.push_back({p.x, p.y, std::to_string(k + 1)});
-    }
-    panel.x.low = -74.0;
-    panel.x.high = 74.0;
-    panel.y.low = -62.0;
-    panel.y.high = 62.0;
+    panel.markers =
+        numbered(switches(tour), [&](std::size_t i) { return kMillimetres * tour.hip[i]; });
+    look_at(panel, -74.0, 74.0, -62.0, 62.0);
     return panel;
 }
 
@@ -84,28 +69,23 @@ double row_of(const RegionMap& map, int region) {
 }
 
 Panel flow_panel(const RegionMap& map, const Tour& tour) {
-    Panel panel{.title = "(b) Active region",
-                .x = {.label = "time", .unit = "s"},
-                .y = {.label = "region", .low = 0.4, .high = map.count() + 0.9},
-                .height = 400.0};
+    Panel panel = time_panel("(b) Active region", "region", "", 400.0);
+    panel.y.low = 0.4;
+    panel.y.high = map.count() + 0.9;
     Series steps{.name = "", .x = {}, .y = {}, .ink = Ink::green, .width = 2.2};
     for (std::size_t i = 0; i < tour.t.size(); ++i) {
         if (i > 0 && tour.region[i] != tour.region[i - 1]) {
-            steps.x.push_back(tour.t[i]);
-            steps.y.push_back(row_of(map, tour.region[i - 1]));
+            steps.add(tour.t[i], row_of(map, tour.region[i - 1]));
         }
-        steps.x.push_back(tour.t[i]);
-        steps.y.push_back(row_of(map, tour.region[i]));
+        steps.add(tour.t[i], row_of(map, tour.region[i]));
     }
     panel.series = {steps};
     for (int region = 0; region < map.count(); ++region) {
         panel.y.names.emplace_back(row_of(map, region), map.name(region));
     }
-    const std::vector<std::size_t> at = switches(tour);
-    for (std::size_t k = 0; k < at.size(); ++k) {
-        panel.markers.push_back(
-            {tour.t[at[k]], row_of(map, tour.region[at[k]]), std::to_string(k + 1)});
-    }
+    panel.markers = numbered(switches(tour), [&](std::size_t i) {
+        return Vec2{tour.t[i], row_of(map, tour.region[i])};
+    });
     return panel;
 }
 
@@ -132,12 +112,10 @@ MadeFigure make_region_flow() {
         "HIP goes twice round the object of figure 2.1.4, the second time inside. Numbers are "
         "the switches of the active region, as the engine's closest point finds them: " +
         words_of(map, path) + ".";
-    return {svg(figure),
-            {{"",
-              {{"time_s", path.t},
-               column("hip_x_m", path.hip, [](Vec2 p) { return p.x; }),
-               column("hip_y_m", path.hip, [](Vec2 p) { return p.y; }),
-               column("region", path.region, [](int r) { return r; })}}}};
+    std::vector<CsvColumn> table{{"time_s", path.t}};
+    add_vectors(table, "hip", "m", path.hip, std::identity());
+    table.push_back(column("region", path.region, std::identity()));
+    return {svg(figure), {{"", table}}};
 }
 
 MadeFigure make_region_graph() {
@@ -145,8 +123,6 @@ MadeFigure make_region_graph() {
     const Tour path = tour(map);
     const std::vector<std::array<int, 2>> pairs = neighbours(map, kLattice);
     Diagram diagram{.title = "Figure 2.1.5: which regions lie side by side",
-                    .nodes = {},
-                    .transitions = {},
                     .height = 470.0,
                     .node_width = 92.0,
                     .node_height = 42.0};
@@ -183,9 +159,8 @@ MadeFigure make_region_graph() {
                                        .ink = taken > 0 ? Ink::green : Ink::grey,
                                        .width = taken > 0 ? 2.2 : 1.2,
                                        .two_way = true});
-        table[0].values.push_back(a);
-        table[1].values.push_back(b);
-        table[2].values.push_back(static_cast<double>(taken));
+        add_row(table,
+                {static_cast<double>(a), static_cast<double>(b), static_cast<double>(taken)});
     }
     diagram.caption =
         "The regions of figure 2.1.4 as states. Two are joined if the engine found both within "

@@ -1,11 +1,5 @@
 #include "tests/figures/region_map.hpp"
 
-#include <algorithm>
-#include <optional>
-#include <set>
-
-#include <glm/geometric.hpp>
-
 namespace palpate::figures {
 namespace {
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <array>
-#include <string>
-#include <vector>
-
 #include "engine/contact/closest_point.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::figures {
 

@@ -1,9 +1,4 @@
 // Figure 2.1.4: the Voronoi regions of an object of three curves.
-#include <array>
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/region_drawing.hpp"
@@ -43,24 +38,15 @@ MadeFigure make_regions() {
     const RegionMap map(curves_of(object));
     const std::vector<Border> pieces = borders(map, kLattice);
     Panel panel = plane_mm("", 560.0);
-    for (Series& s :
-         std::vector<Series>{outline_mm(curves_of(object)), border_series(map, pieces, true),
-                             border_series(map, pieces, false)}) {
-        panel.series.push_back(std::move(s));
-    }
-    for (Series& s : control_points_mm(object)) {
-        panel.series.push_back(std::move(s));
-    }
+    panel.series = {outline_mm(curves_of(object)), border_series(map, pieces, true),
+                    border_series(map, pieces, false)};
+    std::ranges::move(control_points_mm(object), std::back_inserter(panel.series));
     panel.arrows = fans(map.outline());
     panel.labels = region_names(map);
-    panel.x.low = -78.0;
-    panel.x.high = 78.0;
-    panel.y.low = -66.0;
-    panel.y.high = 66.0;
+    look_at(panel, -78.0, 78.0, -66.0, 66.0);
     Figure figure{.id = "fig_2_1_4",
                   .title = "Figure 2.1.4: internal and external Voronoi regions",
-                  .panels = {panel},
-                  .caption = ""};
+                  .panels = {panel}};
     figure.caption = fmt::format(
         "Three cubics of four control points each close an object. On a lattice of {} x {} "
         "places the engine's global closest point says which feature is nearest: outside a curve "
@@ -69,18 +55,10 @@ MadeFigure make_regions() {
         "come out as the normals at the curves' ends; the internal ones as the bisectors of two "
         "curves, not as those normals drawn on into the object.",
         kLattice.columns, kLattice.rows);
-    const auto end = [](const Border& b, int i) {
-        return std::array<double, 4>{b.from.x, b.from.y, b.to.x,
-                                     b.to.y}[static_cast<std::size_t>(i)];
-    };
-    std::vector<CsvColumn> table{
-        column("region", pieces, [](const Border& b) { return b.region; }),
-        column("other_region", pieces, [](const Border& b) { return b.other; })};
-    const std::array<const char*, 4> heads{"from_x_m", "from_y_m", "to_x_m", "to_y_m"};
-    for (int i = 0; i < 4; ++i) {
-        table.push_back(column(heads[static_cast<std::size_t>(i)], pieces,
-                               [&](const Border& b) { return end(b, i); }));
-    }
+    std::vector<CsvColumn> table{column("region", pieces, &Border::region),
+                                 column("other_region", pieces, &Border::other)};
+    add_vectors(table, "from", "m", pieces, &Border::from);
+    add_vectors(table, "to", "m", pieces, &Border::to);
     return {svg(figure), {{"", table}, {"_object", control_point_table(object)}}};
 }
 

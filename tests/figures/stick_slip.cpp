@@ -1,12 +1,5 @@
 // Figure 3.3.1: a stick-slip transition in a run of the servo loop with the simulated device and
 // hand.
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/servo.hpp"
@@ -14,6 +7,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
+#include "tests/support/outlines.hpp"
 
 namespace palpate::figures {
 namespace {
@@ -30,7 +24,7 @@ std::vector<TickRecord> recorded() {
     const engine::Scene scene(
         stimuli::make_outline({.curvature = 5.0}),
         {.friction = {.mu_s = 0.7, .mu_d = 0.5, .tau_slip = kTauSlip, .tau_heal = 0.1},
-         .slew = {.speed = 0.2, .radius = 0.003}});
+         .slew = tests::kStudySlew});
     engine::SimulatedPantograph device({}, kTick);
     engine::VirtualServo servo(
         device, {.limits = {.max_force = 10.0, .ramp_step = engine::ramp_step(0.2, kTick)}});
@@ -94,31 +88,17 @@ std::vector<TickRecord> window(const std::vector<TickRecord>& ticks, const Passa
             ticks.begin() + static_cast<std::ptrdiff_t>(to)};
 }
 
-template <class Value>
-Series over_time(std::string name, const std::vector<TickRecord>& ticks, Value&& value) {
-    Series series{.name = std::move(name)};
-    for (const TickRecord& tick : ticks) {
-        series.x.push_back(time_of(tick));
-        series.y.push_back(value(tick));
-    }
-    return series;
-}
-
 /// Friction over time, > 0 where it acts as at the break-away, between the bounds of its cone.
 Panel force_panel(const std::vector<TickRecord>& ticks, double sign) {
-    Panel panel{.title = "(a) Friction force",
-                .x = {.label = "time", .unit = "s"},
-                .y = {.label = "F_T", .unit = "N"},
-                .height = 240.0};
-    panel.series = {
-        over_time("friction", ticks,
-                  [sign](const TickRecord& t) { return sign * t.tangential_force; }),
-        over_time("± μ F_N", ticks, [](const TickRecord& t) { return t.mu * t.normal_force; }),
-        over_time("± μ F_N", ticks, [](const TickRecord& t) { return -t.mu * t.normal_force; })};
-    for (const std::size_t i : {1U, 2U}) {
-        panel.series[i].ink = Ink::vermillion;
-        panel.series[i].stroke = Stroke::dashed;
-        panel.series[i].width = 1.2;
+    constexpr Look kBound{Ink::vermillion, 1.2, Stroke::dashed};
+    Panel panel = time_panel("(a) Friction force", "F_T", "N", 240.0);
+    panel.series.push_back(over_time(
+        "friction", ticks, [sign](const TickRecord& t) { return sign * t.tangential_force; }, {},
+        &time_of));
+    for (const double side : {1.0, -1.0}) {
+        panel.series.push_back(over_time(
+            "± μ F_N", ticks, [side](const TickRecord& t) { return side * t.mu * t.normal_force; },
+            kBound, &time_of));
     }
     return panel;
 }
@@ -140,17 +120,16 @@ MadeFigure make_stick_slip() {
     force.markers = {{t_touch, sign * all[at.touch].tangential_force, "contact"},
                      {t_release, sign * all[at.release].tangential_force, "slips"},
                      {t_relaxed, sign * all[at.relaxed].tangential_force, "relaxed"}};
-    Panel mu{.title = "(b) Coefficient of friction",
-             .x = {.label = "time", .unit = "s"},
-             .y = {.label = "μ", .unit = "", .low = 0.47, .high = 0.73},
-             .height = 150.0};
+    Panel mu = time_panel("(b) Coefficient of friction", "μ", "", 150.0);
+    mu.y.low = 0.47;
+    mu.y.high = 0.73;
     mu.series = {over_time(
-        "", ticks, [](const TickRecord& t) { return t.mode == Mode::free ? std::nan("") : t.mu; })};
+        "", ticks, [](const TickRecord& t) { return t.mode == Mode::free ? std::nan("") : t.mu; },
+        {}, &time_of)};
     mu.shades = shades;
     Figure figure{.id = "fig_3_3_1",
                   .title = "Figure 3.3.1: a stick-slip transition with the simulated device",
                   .panels = {force, mu},
-                  .caption = "",
                   .width = 860.0};
     figure.caption = fmt::format(
         "Ticks recorded from the 1 kHz servo loop with the simulated pantograph (encoder counts, "
@@ -160,17 +139,13 @@ MadeFigure make_stick_slip() {
         "{:.0f} ms, the length of the transition that the thesis shows.",
         t_touch, t_release, t_relaxed, 1e3 * (t_relaxed - t_release), 1e3 * kTauSlip,
         1e3 * kTransition);
-    return {svg(figure),
-            {{"",
-              {column("time_s", ticks, &time_of),
-               column("mode", ticks, [](const TickRecord& t) { return static_cast<int>(t.mode); }),
-               column("friction_n", ticks, [](const TickRecord& t) { return t.tangential_force; }),
-               column("normal_n", ticks, [](const TickRecord& t) { return t.normal_force; }),
-               column("mu", ticks, [](const TickRecord& t) { return t.mu; }),
-               column("hip_x_m", ticks, [](const TickRecord& t) { return t.hip.x; }),
-               column("hip_y_m", ticks, [](const TickRecord& t) { return t.hip.y; }),
-               column("go_x_m", ticks, [](const TickRecord& t) { return t.go.x; }),
-               column("go_y_m", ticks, [](const TickRecord& t) { return t.go.y; })}}}};
+    std::vector<CsvColumn> table{
+        column("time_s", ticks, &time_of), column("mode", ticks, &TickRecord::mode),
+        column("friction_n", ticks, &TickRecord::tangential_force),
+        column("normal_n", ticks, &TickRecord::normal_force), column("mu", ticks, &TickRecord::mu)};
+    add_vectors(table, "hip", "m", ticks, [](const TickRecord& t) { return Vec2(t.hip); });
+    add_vectors(table, "go", "m", ticks, [](const TickRecord& t) { return Vec2(t.go); });
+    return {svg(figure), {{"", table}}};
 }
 
 }  // namespace palpate::figures

@@ -1,8 +1,4 @@
 // Figure 4.3.1: the objects of the study, of two curves that are convex, straight or hollow.
-#include <array>
-
-#include <fmt/format.h>
-
 #include "stimuli/two_curve.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
@@ -29,7 +25,6 @@ constexpr std::array<Studied, 5> kStudied{{{"(a) Convex, 10 1/m", 10.0},
 MadeFigure make_studied_objects() {
     Figure figure{.id = "fig_4_3_1",
                   .title = "Figure 4.3.1: the objects of the study",
-                  .panels = {},
                   .columns = 3,
                   .share_x = false,
                   .width = 980.0};
@@ -39,9 +34,7 @@ MadeFigure make_studied_objects() {
         std::vector<Vec2> points = stimuli::silhouette({.curvature = one.curvature});
         points.push_back(points.front());
         for (const Vec2& p : points) {
-            table[0].values.push_back(one.curvature);
-            table[1].values.push_back(p.x);
-            table[2].values.push_back(p.y);
+            add_row(table, {one.curvature, p.x, p.y});
         }
         Panel panel = plane_mm(one.title, 170.0);
         panel.series = {path_mm("", points)};

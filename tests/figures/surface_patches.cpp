@@ -1,16 +1,9 @@
 // The god-object over the edge of an object of four NURBS surfaces (thesis 2.1.4 and 3.1.2), with
 // the trackers of the thesis beside it.
-#include <array>
-#include <cmath>
-#include <numbers>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
-#include "engine/surface/surface_scene.hpp"
-#include "tests/figures/drawing.hpp"
-#include "tests/figures/friction_run.hpp"
+#include "tests/figures/instants.hpp"
 #include "tests/figures/make.hpp"
+#include "tests/figures/surface_run.hpp"
+#include "tests/figures/surface_view.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"
 
 namespace palpate::figures {
@@ -20,7 +13,6 @@ using namespace palpate::engine;
 
 using Patches = std::vector<std::shared_ptr<const NurbsSurface>>;
 
-constexpr engine::Slew kEdgeSlew{.speed = 0.2, .radius = 0.003};
 constexpr double kHandSpeed = 0.04;  // m/s
 constexpr double kShown = 0.15;      // s before and after the edge
 
@@ -58,125 +50,61 @@ std::vector<Vec3> hand() {
                                     Vec3{0.016, 0.011, 0.011}, Vec3{0.020, 0.013, 0.026}};
     std::vector<Vec3> path{stops[0]};
     for (std::size_t k = 1; k < stops.size(); ++k) {
-        const Vec3 from = path.back();
-        const double length = glm::length(stops.at(k) - from);
-        const int ticks = static_cast<int>(std::ceil(length / (kHandSpeed * kTick)));
-        for (int i = 1; i <= ticks; ++i) {
-            path.push_back(from + (static_cast<double>(i) / ticks) * (stops.at(k) - from));
-        }
+        go_straight(path, stops.at(k), kHandSpeed);
     }
     return path;
 }
 
-struct EdgeTick {
-    double t = 0.0;  ///< s
-    Vec3 hip{};
-    engine::SurfaceContact felt{};
-};
-using EdgeRun = std::vector<EdgeTick>;
-
-EdgeRun felt_over(const Patches& patches, const engine::Slew& slew) {
-    const engine::SurfaceScene scene(
-        patches, engine::SurfaceSceneSpec{.contact = {.stiffness = kFrictionStiffness,
-                                                      .period = kTick,
-                                                      .friction = {.mu_s = kFrictionStatic,
-                                                                   .mu_d = kFrictionDynamic,
-                                                                   .tau_slip = kFrictionSlip,
-                                                                   .tau_heal = kFrictionHeal},
-                                                      .slew = slew}});
-    engine::SurfaceState state;
-    EdgeRun run;
-    for (const Vec3& hip : hand()) {
-        run.push_back({.t = static_cast<double>(run.size()) * kTick,
-                       .hip = hip,
-                       .felt = scene.tick(state, hip)});
-    }
-    return run;
+SurfaceRun felt_over(const Patches& patches, const engine::Slew& slew) {
+    return felt_along(
+        engine::SurfaceScene(patches,
+                             engine::SurfaceSceneSpec{.contact = {.stiffness = kFrictionStiffness,
+                                                                  .period = kTick,
+                                                                  .friction = tests::kStudyFriction,
+                                                                  .slew = slew}}),
+        hand());
 }
 
 /// The first tick on the right side of the ridge, which has surfaces 2 and 3.
-std::size_t crossing(const EdgeRun& run) {
+std::size_t crossing(const SurfaceRun& run) {
     for (std::size_t k = 0; k < run.size(); ++k) {
-        if (run[k].felt.mode != Mode::free && run[k].felt.surface > 1) {
+        if (run[k].mode != Mode::free && run[k].surface > 1) {
             return k;
         }
     }
     return run.size() - 1;
 }
 
-Vec2 seen(const Vec3& p) {
-    constexpr double kTurn = 65.0 * std::numbers::pi / 180.0;
-    constexpr double kRise = 32.0 * std::numbers::pi / 180.0;
-    const Vec3 right{std::sin(kTurn), std::cos(kTurn), 0.0};
-    const Vec3 up{-std::cos(kTurn) * std::sin(kRise), std::sin(kTurn) * std::sin(kRise),
-                  std::cos(kRise)};
-    return {glm::dot(p, right), glm::dot(p, up)};
-}
-
-Series net(const NurbsSurface& s, std::size_t number) {
-    constexpr int kLines = 7;
-    constexpr int kSamples = 30;
-    std::vector<Vec2> points;
-    const auto at = [](const engine::KnotVector& knots, double share) {
-        return knots.front() + share * (knots.back() - knots.front());
-    };
-    for (const bool along_u : {false, true}) {
-        for (int i = 0; i < kLines; ++i) {
-            const double still = static_cast<double>(i) / (kLines - 1);
-            for (int k = 0; k <= kSamples; ++k) {
-                const double moving = static_cast<double>(k) / kSamples;
-                const double u = at(s.knots_u(), along_u ? moving : still);
-                const double v = at(s.knots_v(), along_u ? still : moving);
-                points.push_back(seen(s.at(u, v).point));
-            }
-            points.push_back(gap());
-        }
-    }
+Panel view(const Patches& patches, const SurfaceRun& run) {
+    constexpr Eye kEdgeEye{-65.0, 32.0};
     constexpr std::array<Ink, 4> kInks{Ink::grey, Ink::green, Ink::purple, Ink::orange};
-    Series series = path_mm(fmt::format("surface {}", number + 1), points);
-    series.ink = kInks.at(number);
-    series.width = 0.7;
-    return series;
-}
-
-Panel view(const Patches& patches, const EdgeRun& run) {
-    Panel panel =
-        plane_mm("(a) Four surfaces, HIP and GO", 330.0, "right in the view", "up in the view");
+    Panel panel = surface_panel("(a) Four surfaces, HIP and GO", 330.0);
     for (std::size_t k = 0; k < patches.size(); ++k) {
-        panel.series.push_back(net(*patches[k], k));
+        panel.series.push_back(surface_net(fmt::format("surface {}", k + 1), *patches[k], kEdgeEye,
+                                           7, 30, kInks.at(k)));
     }
-    std::vector<Vec2> hip;
-    std::vector<Vec2> go;
-    for (const EdgeTick& tick : run) {
-        hip.push_back(seen(tick.hip));
-        go.push_back(tick.felt.mode == Mode::free ? gap() : seen(tick.felt.go));
-    }
-    panel.series.push_back(path_mm("GO in contact", go));
-    panel.series.back().ink = Ink::blue;
-    panel.series.back().width = 3.0;
-    panel.series.push_back(path_mm("HIP", hip));
-    panel.series.back().ink = Ink::vermillion;
-    const Vec2 edge = kMillimetres * seen(run[crossing(run)].felt.go);
+    std::ranges::move(go_and_hip(run, kEdgeEye, {Ink::blue, 3.0}),
+                      std::back_inserter(panel.series));
+    const Vec2 edge = kMillimetres * kEdgeEye(run[crossing(run)].go);
     panel.markers = {{edge.x, edge.y, "1"}};
     return panel;
 }
 
 /// |F| and its change a tick round the edge.
-Panel forces(const EdgeRun& slewed, const EdgeRun& plain, bool change) {
+Panel forces(const SurfaceRun& slewed, const SurfaceRun& plain, bool change) {
     const double at = slewed[crossing(slewed)].t;
     Panel panel{.title = change ? "(c) Its change from tick to tick" : "(b) Force at the edge",
                 .x = {.label = "time", .unit = "s", .low = at - kShown, .high = at + kShown},
                 .y = {.label = change ? "|ΔF|" : "F along x", .unit = "N"},
                 .height = 200.0};
-    for (const EdgeRun* run : {&plain, &slewed}) {
+    for (const SurfaceRun* run : {&plain, &slewed}) {
         Series series{.name = run == &plain ? "without vertex slew" : "with vertex slew",
                       .ink = run == &plain ? Ink::vermillion : Ink::blue};
         for (std::size_t k = 1; k < run->size(); ++k) {
-            const EdgeTick& tick = (*run)[k];
+            const SurfaceTick& tick = (*run)[k];
             if (std::fabs(tick.t - at) <= kShown) {
-                series.x.push_back(tick.t);
-                series.y.push_back(change ? glm::length(tick.felt.force - (*run)[k - 1].felt.force)
-                                          : tick.felt.force.x);
+                series.add(tick.t,
+                           change ? glm::length(tick.force - (*run)[k - 1].force) : tick.force.x);
             }
         }
         panel.series.push_back(series);
@@ -221,11 +149,11 @@ std::vector<WindowFoot> followed(const Patches& patches) {
 }
 
 /// The largest change of the force in a tick about the crossing, N.
-double largest(const EdgeRun& run) {
+double largest(const SurfaceRun& run) {
     const std::size_t at = crossing(run);
     double max = 0.0;
     for (std::size_t k = at - 20; k < at + 120 && k < run.size(); ++k) {
-        max = std::max(max, glm::length(run[k].felt.force - run[k - 1].felt.force));
+        max = std::max(max, glm::length(run[k].force - run[k - 1].force));
     }
     return max;
 }
@@ -234,36 +162,30 @@ double largest(const EdgeRun& run) {
 
 MadeFigure make_surface_patches() {
     const Patches patches = ridge();
-    const EdgeRun slewed = felt_over(patches, kEdgeSlew);
-    const EdgeRun plain = felt_over(patches, {});
+    const SurfaceRun slewed = felt_over(patches, tests::kStudySlew);
+    const SurfaceRun plain = felt_over(patches, {});
     const std::vector<WindowFoot> trackers = followed(patches);
     Panel errors{.title = "(d) Trackers: how much farther than the nearest point",
                  .x = {.label = "time", .unit = "s"},
                  .y = {.label = "excess", .unit = "m", .log = true, .low = 1e-18, .high = 1e-1},
                  .height = 200.0};
     std::vector<CsvColumn> table{
-        column("time_s", slewed, [](const EdgeTick& t) { return t.t; }),
-        column("mode", slewed, [](const EdgeTick& t) { return static_cast<int>(t.felt.mode); }),
-        column("surface", slewed, [](const EdgeTick& t) { return t.felt.surface + 1; })};
+        column("time_s", slewed, &SurfaceTick::t), column("mode", slewed, &SurfaceTick::mode),
+        column("surface", slewed, [](const SurfaceTick& t) { return t.surface + 1; })};
     constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
     for (int k = 0; k < 3; ++k) {
         const char* axis = kAxes.at(static_cast<std::size_t>(k));
         table.push_back(column(fmt::format("hip_{}_m", axis), slewed,
-                               [k](const EdgeTick& t) { return t.hip[k]; }));
+                               [k](const SurfaceTick& t) { return t.hip[k]; }));
         table.push_back(column(fmt::format("go_{}_m", axis), slewed,
-                               [k](const EdgeTick& t) { return t.felt.go[k]; }));
+                               [k](const SurfaceTick& t) { return t.go[k]; }));
         table.push_back(column(fmt::format("force_{}_n", axis), slewed,
-                               [k](const EdgeTick& t) { return t.felt.force[k]; }));
+                               [k](const SurfaceTick& t) { return t.force[k]; }));
         table.push_back(column(fmt::format("force_without_slew_{}_n", axis), plain,
-                               [k](const EdgeTick& t) { return t.felt.force[k]; }));
+                               [k](const SurfaceTick& t) { return t.force[k]; }));
     }
     for (const WindowFoot& one : trackers) {
-        Series series{.name = one.name};
-        for (std::size_t k = 0; k < slewed.size(); ++k) {
-            series.x.push_back(slewed[k].t);
-            series.y.push_back(one.excess[k]);
-        }
-        errors.series.push_back(series);
+        errors.series.push_back({.name = one.name, .x = table[0].values, .y = one.excess});
         table.push_back({std::string(one.column) + "_excess_m", one.excess});
     }
     Figure figure{.id = "fig_3_1_2_patches",
@@ -272,7 +194,6 @@ MadeFigure make_surface_patches() {
                              forces(slewed, plain, true), errors},
                   .columns = 2,
                   .share_x = false,
-                  .caption = "",
                   .width = 1120.0};
     figure.caption = fmt::format(
         "Two sides of a ridge, each in two pieces: four surfaces, joined along their borders. HIP "
@@ -283,8 +204,9 @@ MadeFigure make_surface_patches() {
         "thesis' trackers, with its state machine of faces, edges and corners, follow one "
         "feature: below the ridge they stay on their side when the other is nearer already "
         "({}, {} and {} switches).",
-        1e3 * kHandSpeed, largest(plain), largest(slewed), kEdgeSlew.speed, 1e3 * kEdgeSlew.radius,
-        trackers[0].switches, trackers[1].switches, trackers[2].switches);
+        1e3 * kHandSpeed, largest(plain), largest(slewed), tests::kStudySlew.speed,
+        1e3 * tests::kStudySlew.radius, trackers[0].switches, trackers[1].switches,
+        trackers[2].switches);
     return {svg(figure), {{"", table}}};
 }
 

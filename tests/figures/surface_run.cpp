@@ -1,41 +1,17 @@
 #include "tests/figures/surface_run.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include <glm/geometric.hpp>
-
-#include "engine/surface/surface_scene.hpp"
-#include "tests/figures/friction_run.hpp"
-#include "tests/figures/tick_finder.hpp"
+#include "tests/figures/instants.hpp"
 
 namespace palpate::figures {
 namespace {
 
 using namespace palpate::engine;
 
-constexpr double kOutside = 0.006;   // m outside, to begin with
-constexpr double kDepth = 0.005;     // m, of the first slide
-constexpr double kDeeper = 0.0085;   // m, of the second
-constexpr double kInwards = 0.02;    // m/s, along the normal
-constexpr double kPress = 0.01;      // m/s, from the first depth to the second
-constexpr double kAlong = 0.02;      // m/s
-constexpr double kFirst = 0.30;      // v of the touch
-constexpr double kSlideOne = 0.012;  // m along, before pressing
-constexpr double kSlideTwo = 0.014;  // m along, after pressing
+constexpr double kOutside = 0.006;  // m outside, to begin with
 
 /// HIP below the surface's point at (kSurfaceU, v); depth < 0 above it.
 Vec3 below(const NurbsSurface& surface, double v, double depth) {
     return surface.at(kSurfaceU, v).point - depth * surface.normal(kSurfaceU, v);
-}
-
-void line(std::vector<Vec3>& path, const Vec3& to, double speed) {
-    const Vec3 from = path.back();
-    const double length = glm::length(to - from);
-    const int ticks = std::max(1, static_cast<int>(std::ceil(length / (speed * kFrictionTick))));
-    for (int i = 1; i <= ticks; ++i) {
-        path.push_back(from + (static_cast<double>(i) / ticks) * (to - from));
-    }
 }
 
 /// Along v at constant depth. @return v at the end
@@ -55,9 +31,9 @@ double along(
 
 std::vector<Vec3> path_over(const NurbsSurface& surface) {
     std::vector<Vec3> path{below(surface, kFirst, -kOutside)};
-    line(path, below(surface, kFirst, kDepth), kInwards);
+    go_straight(path, below(surface, kFirst, kDepth), kInwards);
     double v = along(surface, path, kFirst, kDepth, kSlideOne);
-    line(path, below(surface, v, kDeeper), kPress);
+    go_straight(path, below(surface, v, kDeeper), kPress);
     v = along(surface, path, v, kDeeper, kSlideTwo);
     return path;
 }
@@ -81,17 +57,10 @@ std::shared_ptr<const NurbsSurface> dome() {
     return std::make_shared<const NurbsSurface>(3, 3, knots, knots, points, weights);
 }
 
-SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
-    const engine::SurfaceScene scene(surface,
-                                     engine::SceneSpec{.stiffness = kFrictionStiffness,
-                                                       .period = kFrictionTick,
-                                                       .friction = {.mu_s = kFrictionStatic,
-                                                                    .mu_d = kFrictionDynamic,
-                                                                    .tau_slip = kFrictionSlip,
-                                                                    .tau_heal = kFrictionHeal}});
+SurfaceRun felt_along(const engine::SurfaceScene& scene, const std::vector<Vec3>& path) {
     engine::SurfaceState state;
     SurfaceRun run;
-    for (const Vec3& hip : path_over(*surface)) {
+    for (const Vec3& hip : path) {
         const engine::SurfaceContact c = scene.tick(state, hip);
         run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,
                        .hip = hip,
@@ -102,38 +71,25 @@ SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
                        .normal_force = c.normal_force,
                        .friction_force = c.tangential_force,
                        .mu = c.mu,
+                       .surface = c.surface,
                        .go_u = c.go_u,
                        .go_v = c.go_v});
     }
     return run;
 }
 
+SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
+    return felt_along(
+        engine::SurfaceScene(surface, engine::SceneSpec{.stiffness = kFrictionStiffness,
+                                                        .period = kFrictionTick,
+                                                        .friction = tests::kStudyFriction}),
+        path_over(*surface));
+}
+
 SurfaceMarkers find_markers(const SurfaceRun& run) {
-    constexpr double kFriction = 1e-6;  // N: less is rounding
-    constexpr double kDeeperBy = 1e-6;  // m a tick: less is rounding
-    using Tick = SurfaceTick;
-    const auto breaks = [](const Tick&, const Tick& now, const Tick&) {
-        return now.mode == Mode::transition || now.mode == Mode::slip;
-    };
-    TickFinder<SurfaceTick> find(run);
-    SurfaceMarkers at;
-    at[0] =
-        find.next([](const Tick&, const Tick& now, const Tick&) { return now.mode != Mode::free; });
-    at[1] = find.next(
-        [](const Tick&, const Tick&, const Tick& next) { return next.friction_force > kFriction; });
-    at[2] = find.next(breaks);
-    at[3] = find.next([](const Tick&, const Tick& now, const Tick& next) {
-        return next.depth > now.depth + kDeeperBy;
-    });
-    at[4] = find.next(
-        [](const Tick&, const Tick& now, const Tick&) { return now.mode == Mode::stuck; });
-    at[5] = find.next([](const Tick& before, const Tick& now, const Tick& next) {
-        return now.depth > before.depth + kDeeperBy && next.depth <= now.depth + kDeeperBy;
-    });
-    at[6] = find.next(breaks);
-    at[7] =
-        find.next([](const Tick&, const Tick& now, const Tick&) { return now.mode == Mode::slip; });
-    return at;
+    using enum Instant;
+    return instants_of(
+        run, std::array{touches, moves, breaks, deepens, sticks, is_deep, breaks, relaxed});
 }
 
 }  // namespace palpate::figures

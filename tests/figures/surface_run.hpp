@@ -1,12 +1,7 @@
 #pragma once
 
-#include <array>
-#include <memory>
-#include <optional>
-#include <vector>
-
 #include "engine/rendering/mode.hpp"
-#include "engine/surface/nurbs_surface.hpp"
+#include "engine/surface/surface_scene.hpp"
 
 /// A trajectory over a NURBS surface with u kept still, as in the thesis' chapter 3.2.2.
 namespace palpate::figures {
@@ -23,11 +18,16 @@ struct SurfaceTick {
     double normal_force = 0.0;    ///< N
     double friction_force = 0.0;  ///< N, >= 0
     double mu = 0.0;              ///< 0 while free
+    int surface = 0;              ///< on which GO is
     double go_u = 0.0;
     double go_v = 0.0;
 };
 
 using SurfaceRun = std::vector<SurfaceTick>;
+
+/// HIP, a place a tick, felt by a scene.
+[[nodiscard]] SurfaceRun felt_along(const engine::SurfaceScene& scene,
+                                    const std::vector<engine::Vec3>& path);
 
 /// A rational bicubic dome of 4 x 4 control points, 0.1 m wide; inner weights 1.5.
 [[nodiscard]] std::shared_ptr<const engine::NurbsSurface> dome();

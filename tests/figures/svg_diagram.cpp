@@ -1,11 +1,5 @@
 #include "tests/figures/svg_diagram.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "data/plot/svg_figure.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::figures {
 

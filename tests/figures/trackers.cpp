@@ -1,10 +1,4 @@
 // Figure 2.1.2: the closest point as six trackers find it, HIP passing over a narrow top on a line.
-#include <algorithm>
-#include <array>
-
-#include <fmt/format.h>
-#include <glm/geometric.hpp>
-
 #include "engine/contact/certified_tracker.hpp"
 #include "tests/figures/drawing.hpp"
 #include "tests/figures/make.hpp"
@@ -108,25 +102,17 @@ Panel connections(const Passage& passage,
     for (std::size_t i = 0; i < passage.hip.size(); i += kEvery) {
         lines.insert(lines.end(), {passage.hip[i], track.points[i], gap()});
     }
-    Series drawn = path_mm("HIP to tracked point, every 4 ms", lines);
-    drawn.ink = ink;
-    drawn.width = 1.0;
-    Series hip = path_mm("HIP", passage.hip);
-    hip.ink = Ink::grey;
-    panel.series = {outline_mm({curve}), hip, drawn};
-    panel.x.low = -24.0;
-    panel.x.high = 24.0;
-    panel.y.low = 27.0;
-    panel.y.high = 58.0;
+    panel.series = {outline_mm({curve}), path_mm("HIP", passage.hip, {Ink::grey}),
+                    path_mm("HIP to tracked point, every 4 ms", lines, {ink, 1.0})};
+    look_at(panel, -24.0, 24.0, 27.0, 58.0);
     return panel;
 }
 
 /// What every tracker shows over time; the error is drawn from 1e-18 m up.
 std::vector<Panel> over_time(const Passage& passage) {
-    Panel place{.title = "(c) Tracked point along the curve",
-                .x = {.label = "time", .unit = "s"},
-                .y = {.label = "u", .low = 0.0, .high = 1.0},
-                .height = 240.0};
+    Panel place = time_panel("(c) Tracked point along the curve", "u", "", 240.0);
+    place.y.low = 0.0;
+    place.y.high = 1.0;
     Panel error{.title = "(d) Distance to the closest point",
                 .x = {.label = "time", .unit = "s"},
                 .y = {.label = "error", .unit = "m", .log = true, .low = 3e-18, .high = 3e-2},
@@ -155,15 +141,13 @@ double worst(const Passage& passage, std::size_t track) {
 }
 
 std::vector<CsvColumn> table(const Passage& passage) {
-    std::vector<CsvColumn> columns{{"time_s", passage.t},
-                                   column("hip_x_m", passage.hip, [](Vec2 p) { return p.x; }),
-                                   column("hip_y_m", passage.hip, [](Vec2 p) { return p.y; })};
+    std::vector<CsvColumn> columns{{"time_s", passage.t}};
+    add_vectors(columns, "hip", "m", passage.hip, std::identity());
     for (const Track& track : passage.tracks) {
         std::string name = track.name;
         std::replace(name.begin(), name.end(), ' ', '_');
         columns.push_back({name + "_u", track.u});
-        columns.push_back(column(name + "_x_m", track.points, [](Vec2 p) { return p.x; }));
-        columns.push_back(column(name + "_y_m", track.points, [](Vec2 p) { return p.y; }));
+        add_vectors(columns, name, "m", track.points, std::identity());
         columns.push_back({name + "_error_m", track.error});
     }
     return columns;

@@ -23,7 +23,7 @@ struct Port {
 
 }  // namespace
 
-TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]") {
+TEST_CASE("the shipped program takes the chip itself on a port", "[open]") {
     const Port port;
     const TemporaryFolder folder;
     std::string said;
@@ -39,7 +39,7 @@ TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]
 }
 
 TEST_CASE("killed with the force on, with or without its guard, palpate leaves a board that stops",
-          "[open][guard][law]") {
+          "[open]") {
     EACH(both, false, true);
     const Port port;
     const auto presser = pressing(port.board, port.machine);

@@ -138,6 +138,42 @@ struct Wired {
 
 constexpr Vec2 kPress{0.3, -0.4};
 
+/// What somebody at an address of his own says to a board, and hears.
+class Speaker {
+public:
+    Speaker(OpenBoard& board, std::uint64_t address) : board_(&board), address_(address) {}
+
+    std::optional<OpenAnswer> say(const OpenBytes& body) {
+        return post(open_datagram(nonce, body));
+    }
+    std::optional<OpenAnswer> post(const OpenBytes& datagram) {
+        board_->post(address_, datagram.view());
+        const auto letter = board_->letter();
+        if (!letter) {
+            return std::nullopt;
+        }
+        CHECK(letter->to == address_);
+        const auto answer = read_open(letter->datagram.view().subspan(kOpenNonce));
+        if (answer && answer->type == OpenType::ident) {
+            std::copy_n(letter->datagram.bytes.begin(), kOpenNonce, nonce.begin());
+        }
+        return answer;
+    }
+    void arm() {
+        REQUIRE(say(open_hello(1))->type == OpenType::ident);
+        REQUIRE(say(open_config(2, config))->type == OpenType::configured);
+        REQUIRE(say(open_token(OpenType::arm, 3, config.token))->report.state == OpenState::armed);
+        static_cast<void>(say(open_torque(4, {50'000, 0})));
+    }
+
+    OpenNonce nonce{};
+    OpenConfig config{.token = 7, .watchdog_ms = 50, .limit = {100'000, 100'000}};
+
+private:
+    OpenBoard* board_;
+    std::uint64_t address_;
+};
+
 }  // namespace
 
 TEST_CASE("bodies go without frames over a link of datagrams, and its guard knows their answers",
@@ -167,7 +203,7 @@ TEST_CASE("bodies go without frames over a link of datagrams, and its guard know
 
 TEST_CASE(
     "datagrams that are lost, doubled or late never leave a force on, nor bring an old reading",
-    "[open][law]") {
+    "[open]") {
     int fresh = 0;
     int faults = 0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -221,7 +257,7 @@ TEST_CASE(
     CHECK(faults > 30);
 }
 
-TEST_CASE("a datagram is answered by the firmware as the same body in a frame is", "[open][law]") {
+TEST_CASE("a datagram is answered by the firmware as the same body in a frame is", "[open]") {
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
     Random random(31);
@@ -283,48 +319,7 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
     }
 }
 
-namespace {
-
-/// What somebody at an address of his own says to a board, and hears.
-class Speaker {
-public:
-    Speaker(OpenBoard& board, std::uint64_t address) : board_(&board), address_(address) {}
-
-    std::optional<OpenAnswer> say(const OpenBytes& body) {
-        return post(open_datagram(nonce, body));
-    }
-    std::optional<OpenAnswer> post(const OpenBytes& datagram) {
-        board_->post(address_, datagram.view());
-        const auto letter = board_->letter();
-        if (!letter) {
-            return std::nullopt;
-        }
-        CHECK(letter->to == address_);
-        const auto answer = read_open(letter->datagram.view().subspan(kOpenNonce));
-        if (answer && answer->type == OpenType::ident) {
-            std::copy_n(letter->datagram.bytes.begin(), kOpenNonce, nonce.begin());
-        }
-        return answer;
-    }
-    void arm() {
-        REQUIRE(say(open_hello(1))->type == OpenType::ident);
-        REQUIRE(say(open_config(2, config))->type == OpenType::configured);
-        REQUIRE(say(open_token(OpenType::arm, 3, config.token))->report.state == OpenState::armed);
-        static_cast<void>(say(open_torque(4, {50'000, 0})));
-    }
-
-    OpenNonce nonce{};
-    OpenConfig config{.token = 7, .watchdog_ms = 50, .limit = {100'000, 100'000}};
-
-private:
-    OpenBoard* board_;
-    std::uint64_t address_;
-};
-
-}  // namespace
-
-TEST_CASE("a stranger's datagrams never become those of the host, nor give a torque",
-          "[open][law]") {
+TEST_CASE("a stranger's datagrams never become those of the host, nor give a torque", "[open]") {
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
     OpenBoard board = OnHost::make(plant, machine);

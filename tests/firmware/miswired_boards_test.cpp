@@ -87,7 +87,7 @@ void find_all(bool open, bool all) {
 }  // namespace
 
 TEST_CASE("every miswiring of an emulated Haply or open board is found and named",
-          "[commission][haply][open][law]") {
+          "[haply][open]") {
     find_all(GENERATE(false, true), false);
 }
 

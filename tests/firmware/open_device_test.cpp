@@ -222,7 +222,7 @@ DESK_CASE("a cable pulled with the force on has its motors off, and comes back")
     CHECK(desk.board.enabled());
 }
 
-TEST_CASE("answers that are lost now and then make a reading old, and no fault", "[open][law]") {
+TEST_CASE("answers that are lost now and then make a reading old, and no fault", "[open]") {
     Desk<OnHost> desk;
     desk.open();
     Random random(23);
@@ -242,8 +242,7 @@ TEST_CASE("answers that are lost now and then make a reading old, and no fault",
     CHECK_FALSE(desk.board.enabled());
 }
 
-TEST_CASE("an encoder that skipped an edge ends the force until the handle was at home",
-          "[open][law]") {
+TEST_CASE("an encoder that skipped an edge ends the force until the handle was at home", "[open]") {
     PressedDesk<OnHost> desk(10);
     desk.board.skip_edge();
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
@@ -253,13 +252,13 @@ TEST_CASE("an encoder that skipped an edge ends the force until the handle was a
     desk.comes_back();
 }
 
-TEST_CASE("a joint that jumps between two answers ends the force", "[open][law]") {
+TEST_CASE("a joint that jumps between two answers ends the force", "[open]") {
     PressedDesk<OnHost> desk(10);
     desk.plant.lead({0.04, 0.05});
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::garbage);
 }
 
-TEST_CASE("a handle that moves while the board is opened is refused", "[open][law]") {
+TEST_CASE("a handle that moves while the board is opened is refused", "[open]") {
     class Moving : public GuidedHand {
     public:
         using GuidedHand::GuidedHand;

@@ -53,7 +53,7 @@ TEST_CASE("frames of the open board are those of its protocol's table", "[open]"
 // Worked out by a script with a bitwise CRC and a COBS by splitting at zeros, which shares nothing
 // with ours.
 TEST_CASE("frames of three axes are longer by a number for each array, and nothing else",
-          "[open][gantry]") {
+          "[open]") {
     const auto frame = [](const OpenBytes& body) {
         return hex_of(open_frame(body).view());
     };
@@ -85,7 +85,7 @@ TEST_CASE("frames of three axes are longer by a number for each array, and nothi
     CHECK(ident->ident.time_step == 4);
 }
 
-TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[open][law]") {
+TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[open]") {
     Random random(3);
     for (int i = 0; i < 2000; ++i) {
         OpenBytes body;
@@ -108,7 +108,7 @@ TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[ope
     }
 }
 
-TEST_CASE("an answer with a bit flipped, cut or longer is none", "[open][law]") {
+TEST_CASE("an answer with a bit flipped, cut or longer is none", "[open]") {
     const auto good =
         bytes_of_hex("90 05 00 03 00 01 87 D6 12 00 FF FF FF FF 80 0A 00 00 00 9C 9E");
     REQUIRE(read_open(good));

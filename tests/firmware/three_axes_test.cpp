@@ -169,7 +169,7 @@ TEMPLATE_TEST_CASE(
     CHECK_FALSE(board.enabled());
 }
 
-TEST_CASE("a board of another number of axes is refused with the remedy", "[open][gantry]") {
+TEST_CASE("a board of another number of axes is refused with the remedy", "[open]") {
     const auto refusal = [](const Calibration& truth, BoardPlant& plant,
                             const Calibration& claimed) {
         OpenBoard board(plant, truth, *truth.board);

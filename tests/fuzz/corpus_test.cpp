@@ -52,7 +52,7 @@ std::vector<std::uint8_t> nonsense(std::uint64_t seed, const std::vector<std::ui
 
 }  // namespace
 
-TEST_CASE("texts of up to a megabyte, however deep, are read or refused", "[fuzz][law]") {
+TEST_CASE("texts of up to a megabyte, however deep, are read or refused") {
     const Entry entry = GENERATE(from_range(kEntries));
     if (!entry.text) {
         return;
@@ -66,7 +66,7 @@ TEST_CASE("texts of up to a megabyte, however deep, are read or refused", "[fuzz
     }
 }
 
-TEST_CASE("what the fuzzers were fed and found is read without harm", "[fuzz][law]") {
+TEST_CASE("what the fuzzers were fed and found is read without harm") {
     const Entry entry = GENERATE(from_range(kEntries));
     const auto files = files_of(entry.name);
     CHECK(files.size() >= 3);

@@ -63,7 +63,7 @@ std::string hash_of(const std::string& file) {
 
 TEST_CASE(
     "a power cut while files are merged leaves a whole file, and merging again gives the same",
-    "[long][power][law]") {
+    "[long]") {
     EACH(there, false, true);
     const TemporaryFolder inputs;
     const TemporaryFolder folder;
@@ -108,8 +108,7 @@ TEST_CASE(
         1, 2);
 }
 
-TEST_CASE("a power cut during an export leaves the whole folder under its name, or none",
-          "[power][law]") {
+TEST_CASE("a power cut during an export leaves the whole folder under its name, or none") {
     const TemporaryFolder input;
     const std::string file = a_session(input.file("a.sqlite"), "P1");
     const auto format = GENERATE(data::ExportFormat::csv, data::ExportFormat::bids);
@@ -129,8 +128,7 @@ TEST_CASE("a power cut during an export leaves the whole folder under its name, 
 
 TEST_CASE(
     "a file that was said to be written is whole after a power cut, and one written over is never "
-    "half",
-    "[power][law]") {
+    "half") {
     const TemporaryFolder folder;
     const std::string first = "x\n" + std::string(20'000, 'a');
     const std::string second = "x\n" + std::string(30'000, 'b');

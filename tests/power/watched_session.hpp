@@ -2,6 +2,7 @@
 
 #include "data/store/async_recorder.hpp"
 #include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
 #include "tests/support/disk_model.hpp"
 
 /// Sessions on a watched disk: what they promised, and what is in their files.
@@ -113,6 +114,36 @@ inline std::string content(data::Database& database) {
                  "SELECT plan_position, stimulus, rule_outcome, estimates, state_sha256 FROM "
                  "analysis_trial WHERE run_trial_number IS NOT NULL ORDER BY plan_position") +
            lines(database, "SELECT finished FROM session");
+}
+
+/// What must hold of a file that a power cut or a failing disk left, and, where the session went on
+/// from it, of the whole.
+inline void check_left(const std::string& file,
+                       const data::SessionSpec& spec,
+                       const Promise& promised,
+                       const std::string& whole,
+                       bool goes_on) {
+    data::Database database(file, data::Access::write);
+    REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
+    CHECK(count(database, "response") >= static_cast<std::int64_t>(promised.answered));
+    CHECK(count(database, "trial") >= promised.trial);
+    CHECK(database
+              .first(fmt::format(
+                  "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {} AND interval = {}",
+                  promised.trial, promised.interval))
+              .integer(0) >= promised.ticks);
+    CHECK((!promised.finished || database.first("SELECT finished FROM session").integer(0) == 1));
+    CHECK(differences(database) == "");
+    const std::size_t running =
+        static_cast<std::size_t>(count(database, "trial WHERE outcome = 'running'"));
+    CHECK(data::open_session(database, spec).interrupted == running);
+    if (goes_on && !promised.finished) {
+        CHECK(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+        CHECK(differences(database) == "");
+    }
+    if (goes_on) {
+        CHECK(content(database) == whole);
+    }
 }
 
 inline data::SessionSpec short_session(bool adaptive) {

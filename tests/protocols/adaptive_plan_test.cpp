@@ -14,8 +14,7 @@ Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE(
-    "every run has its trials, one half of its comparisons in each interval, within the limits",
-    "[adaptive][law]") {
+    "every run has its trials, one half of its comparisons in each interval, within the limits") {
     SEED(std::uint64_t{60});
     Protocol protocol = adaptive_protocol();
     protocol.procedure->max_run = 2;
@@ -52,7 +51,7 @@ TEST_CASE(
     CHECK(plan == adaptive_plan_of(protocol, seed));
 }
 
-TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[adaptive][law]") {
+TEST_CASE("the hash of a plan follows the rule, its stream and every trial") {
     const Protocol protocol = adaptive_protocol();
     const std::string hash = protocol_hash(protocol);
     const SessionKey key{.participant = "P01"};
@@ -67,7 +66,7 @@ TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[a
     CHECK(make_plan(protocol, hash, {.participant = "P01", .session = 2}, 3).hash != plan.hash);
 }
 
-TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[adaptive]") {
+TEST_CASE("what does not fit a rule is refused at its place, with a remedy") {
     const std::string good = adaptive_text(kQuestPlusRule);
     REQUIRE(refusal(good) == "accepted");
     const auto says = [&](const std::string& from, const std::string& to) {
@@ -106,8 +105,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
 }
 
 TEST_CASE(
-    "balanced practice has one half of every run's comparisons in each interval, in any order",
-    "[adaptive][law]") {
+    "balanced practice has one half of every run's comparisons in each interval, in any order") {
     const auto runs = GENERATE(std::size_t{1}, std::size_t{2});
     const auto trials = GENERATE(std::size_t{1}, std::size_t{4}, std::size_t{7});
     Protocol protocol = adaptive_protocol();
@@ -139,8 +137,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a rule that takes the comparison for the greater one may not choose the standard or less",
-    "[adaptive][law]") {
+    "a rule that takes the comparison for the greater one may not choose the standard or less") {
     const auto lowest = GENERATE(values<std::pair<const char*, bool>>(
         {{"4", false}, {"5", false}, {"5.001", true}, {"8", true}}));
     const std::string staircase = replaced(adaptive_text(kStaircaseRule), "lowest = 5.5",

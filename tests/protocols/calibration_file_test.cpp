@@ -79,7 +79,7 @@ Calibration any_calibration(Random& random) {
 
 // Link lengths, encoders and golden poses of the hAPI's examples; see pantographs.toml for the
 // sources.
-TEST_CASE("the machines that ship have the numbers of their makers", "[calibration][golden]") {
+TEST_CASE("the machines that ship have the numbers of their makers") {
     struct Golden {
         const char* name;
         double t1, t2, x_mm, y_mm, quantum_um, newton;
@@ -101,16 +101,14 @@ TEST_CASE("the machines that ship have the numbers of their makers", "[calibrati
     }
 }
 
-TEST_CASE("the shipped Mk-II is the machine that is simulated without a calibration",
-          "[calibration]") {
+TEST_CASE("the shipped Mk-II is the machine that is simulated without a calibration") {
     Calibration mk2 = load_calibration("mk2");
     const Calibration standard;
     mk2.comedi.reset();
     CHECK(to_toml(mk2) == to_toml(standard));
 }
 
-TEST_CASE("every machine that ships reaches the study's whole area, from its rest too",
-          "[calibration][law]") {
+TEST_CASE("every machine that ships reaches the study's whole area, from its rest too") {
     for (const char* name : kPresets) {
         CAPTURE(name);
         const Calibration calibration = load_calibration(name);
@@ -128,8 +126,7 @@ TEST_CASE("every machine that ships reaches the study's whole area, from its res
     }
 }
 
-TEST_CASE("a calibration that is written and read is the same, and has the same id",
-          "[calibration][law]") {
+TEST_CASE("a calibration that is written and read is the same, and has the same id") {
     for (std::uint64_t seed = 0; seed < 500; ++seed) {
         Random random(seed);
         CAPTURE(seed);
@@ -181,8 +178,7 @@ TEST_CASE("a calibration that is written and read is the same, and has the same 
     CHECK(id != calibration_id(load_calibration("haplet")));
 }
 
-TEST_CASE("what is wrong with a calibration is said at its place, with the remedy",
-          "[calibration]") {
+TEST_CASE("what is wrong with a calibration is said at its place, with the remedy") {
     for (const auto& row : test_rows("calibration_problems.tsv")) {
         CAPTURE(row);
         const std::string said = calibration_refusal(changed(row.at(0), row.at(1)));
@@ -197,8 +193,7 @@ TEST_CASE("what is wrong with a calibration is said at its place, with the remed
     CHECK_THAT(calibration_refusal(two), Has("two machines are called \"2diy_gen3\""));
 }
 
-TEST_CASE("no calibration file, however broken, does more than be refused line by line",
-          "[calibration][fuzz]") {
+TEST_CASE("no calibration file, however broken, does more than be refused line by line") {
     int accepted = 0;
     int refused = 0;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
@@ -221,7 +216,7 @@ TEST_CASE("no calibration file, however broken, does more than be refused line b
     CHECK(refused > 1000);
 }
 
-TEST_CASE("a calibration file is read by its path, and must hold one machine", "[calibration]") {
+TEST_CASE("a calibration file is read by its path, and must hold one machine") {
     const auto folder = std::filesystem::temp_directory_path() / "palpate_calibration_file_test";
     std::filesystem::create_directories(folder);
     const std::string one = (folder / "one.toml").string();

@@ -10,7 +10,7 @@ Protocol counterbalanced_study() {
 
 }  // namespace
 
-TEST_CASE("rows are balanced after every participant, whatever is drawn", "[counterbalance][law]") {
+TEST_CASE("rows are balanced after every participant, whatever is drawn") {
     SEED(std::uint64_t{30});
     const Protocol protocol = counterbalanced_study();
     std::vector<std::vector<std::string>> before;
@@ -25,7 +25,7 @@ TEST_CASE("rows are balanced after every participant, whatever is drawn", "[coun
     }
 }
 
-TEST_CASE("a participant keeps the row they have, whatever others do", "[counterbalance][law]") {
+TEST_CASE("a participant keeps the row they have, whatever others do") {
     const Protocol protocol = counterbalanced_study();
     for (std::size_t row = 0; row < 10; ++row) {
         RowHistory history{.uses = std::vector<std::size_t>(10, 0), .own = row};
@@ -35,7 +35,7 @@ TEST_CASE("a participant keeps the row they have, whatever others do", "[counter
     }
 }
 
-TEST_CASE("the row used least is taken, and ties fall on each alike", "[counterbalance][law]") {
+TEST_CASE("the row used least is taken, and ties fall on each alike") {
     Pcg32 random(1, 2);
     CHECK(choose_row(4, {.uses = {3, 2, 1, 2}, .own = {}}, random) == 2);
     std::map<std::size_t, int> chosen;
@@ -48,7 +48,7 @@ TEST_CASE("the row used least is taken, and ties fall on each alike", "[counterb
     }
 }
 
-TEST_CASE("orders of another version of the protocol count for nothing", "[counterbalance]") {
+TEST_CASE("orders of another version of the protocol count for nothing") {
     const Protocol protocol = counterbalanced_study();
     const std::vector<std::vector<std::string>> others = {{"a", "b"}, {"v", "w", "x", "y", "z"}};
     const RowHistory history = picture_history(protocol, others, others[1]);
@@ -56,7 +56,7 @@ TEST_CASE("orders of another version of the protocol count for nothing", "[count
     CHECK_FALSE(history.own);
 }
 
-TEST_CASE("every purpose of random numbers has a name of its own", "[random]") {
+TEST_CASE("every purpose of random numbers has a name of its own") {
     std::vector<std::string_view> names(purpose::all.begin(), purpose::all.end());
     std::sort(names.begin(), names.end());
     CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());

@@ -14,8 +14,7 @@ Cues felt(const StrokeSpec& spec, std::uint64_t seed = 1) {
 
 }  // namespace
 
-TEST_CASE("both cues find the curvature of an exact arc, with and without friction",
-          "[observer][law]") {
+TEST_CASE("both cues find the curvature of an exact arc, with and without friction") {
     EACH(curvature, -10.0, -7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5, 10.0);
     EACH(mu, 0.0, 0.5, 0.7);
     const Cues cues = felt({.curvature = curvature, .mu = mu});
@@ -27,7 +26,7 @@ TEST_CASE("both cues find the curvature of an exact arc, with and without fricti
     CHECK(cues.friction == Approx(mu).margin(1e-12));
 }
 
-TEST_CASE("a deep press stretches both cues as the header says", "[observer]") {
+TEST_CASE("a deep press stretches both cues as the header says") {
     const double curvature = GENERATE(-10.0, 10.0);
     const Cues cues = felt({.curvature = curvature, .depth = 0.003});
     const double expected = curvature / (1.0 - curvature * 0.003);
@@ -35,15 +34,14 @@ TEST_CASE("a deep press stretches both cues as the header says", "[observer]") {
     CHECK(*cues.position == Approx(expected).epsilon(0.015));
 }
 
-TEST_CASE("a trembling hand does not bias the cues", "[observer][law]") {
+TEST_CASE("a trembling hand does not bias the cues") {
     SEED(std::uint64_t{20});
     const Cues cues = felt({.curvature = 5.0, .depth = 0.001, .mu = 0.5, .tremor = 0.0002}, seed);
     CHECK(std::fabs(*cues.force - 5.0) < 0.2);
     CHECK(std::fabs(*cues.position - 5.0) < 0.2);
 }
 
-TEST_CASE("nothing is learnt from ticks that are free, too light, stuck or off the chords",
-          "[observer]") {
+TEST_CASE("nothing is learnt from ticks that are free, too light, stuck or off the chords") {
     auto ticks = strokes({.curvature = 5.0});
     const auto none_of = [](const std::vector<palpate::engine::TickRecord>& some) {
         CurvatureCues cues(OutlineSpec{});

@@ -102,7 +102,7 @@ std::vector<double> some_weights(std::size_t n, Random& random) {
 
 }  // namespace
 
-TEST_CASE("expected entropy is what its definition says", "[quest_plus][law]") {
+TEST_CASE("expected entropy is what its definition says") {
     SEEDED(random, std::uint64_t{150});
     const QuestPlusSpec spec = some_problem(random);
     const LikelihoodTable table(spec.model, spec.stimuli, spec.parameters);
@@ -113,7 +113,7 @@ TEST_CASE("expected entropy is what its definition says", "[quest_plus][law]") {
                          by_definition(spec.model, spec.stimuli, spec.parameters, weights, all));
 }
 
-TEST_CASE("expected marginal entropy is what its definition says", "[psi][law]") {
+TEST_CASE("expected marginal entropy is what its definition says") {
     SEEDED(random, std::uint64_t{100}, 1000);
     QuestPlusSpec spec = some_problem(random);
     std::vector<std::size_t> kept{0};
@@ -130,7 +130,7 @@ TEST_CASE("expected marginal entropy is what its definition says", "[psi][law]")
                                                          quest.posterior().weights(), kept));
 }
 
-TEST_CASE("no stimulus is expected to raise the entropy", "[quest_plus][law]") {
+TEST_CASE("no stimulus is expected to raise the entropy") {
     SEEDED(random, std::uint64_t{150}, 2000);
     const QuestPlusSpec spec = some_problem(random);
     QuestPlus quest(spec);
@@ -153,7 +153,7 @@ TEST_CASE("no stimulus is expected to raise the entropy", "[quest_plus][law]") {
     }
 }
 
-TEST_CASE("of stimuli that are equally good the first is shown", "[quest_plus][law]") {
+TEST_CASE("of stimuli that are equally good the first is shown") {
     CHECK(first_of_least(std::vector<double>{3.0, 2.0, 2.0, 2.5}) == 1);
     CHECK(first_of_least(std::vector<double>{2.0 + 1e-12, 2.0 - 0.5e-12, 3.0}) == 0);
     CHECK(first_of_least(std::vector<double>{2.0 + 1e-11, 2.0, 3.0}) == 1);

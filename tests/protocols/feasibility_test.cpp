@@ -55,7 +55,7 @@ std::string only(Verdict verdict, const std::vector<Finding>& findings) {
 
 }  // namespace
 
-TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][law]") {
+TEST_CASE("stiffness is refused just above the passivity bound") {
     // deformation-and-passivity, section 7: b / (T (1/2 + d)) at T = 1 ms.
     struct Row {
         double damping, delay, bound, rate_hz;
@@ -71,8 +71,7 @@ TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][
     only(Verdict::refuse, check_feasibility(felt_study(1.001 * row.bound, row.rate_hz), device));
 }
 
-TEST_CASE("a refusal names the stiffness and the rate that would do, and these are accepted",
-          "[feasibility][law]") {
+TEST_CASE("a refusal names the stiffness and the rate that would do, and these are accepted") {
     FakeDevice device;
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
     CHECK(only(Verdict::refuse, check_feasibility(felt_study(), device)) ==
@@ -89,8 +88,7 @@ TEST_CASE("a refusal names the stiffness and the rate that would do, and these a
     CHECK_THAT(check_feasibility(felt_study(), device).at(0).text, Has("some damping"));
 }
 
-TEST_CASE("what lets a contact rest is said with the friction it takes and the speed without it",
-          "[feasibility]") {
+TEST_CASE("what lets a contact rest is said with the friction it takes and the speed without it") {
     FakeDevice device;
     device.what = {.damping = 1.0};
     CHECK(rest_text(margins_of(felt_study(), device)).empty());  // nobody knows its steps
@@ -102,7 +100,7 @@ TEST_CASE("what lets a contact rest is said with the friction it takes and the s
     CHECK_THAT(rest_text(margins_of(felt_study(), device)), Catch::EndsWith("it may creep on"));
 }
 
-TEST_CASE("a damper of the contact asks as much more of the device", "[feasibility][law]") {
+TEST_CASE("a damper of the contact asks as much more of the device") {
     // b >= K T (1/2 + d) + |B|: Colgate & Schenkel 1997.
     FakeDevice device;
     EACH(stiffness, 100.0, 1000.0);
@@ -118,8 +116,7 @@ TEST_CASE("a damper of the contact asks as much more of the device", "[feasibili
     only(Verdict::refuse, check_feasibility(protocol, device));
 }
 
-TEST_CASE("with a damper too, the stiffness and the rate that a refusal names are accepted",
-          "[feasibility][law]") {
+TEST_CASE("with a damper too, the stiffness and the rate that a refusal names are accepted") {
     FakeDevice device;
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
     Protocol protocol = felt_study();
@@ -138,18 +135,18 @@ TEST_CASE("with a damper too, the stiffness and the rate that a refusal names ar
                Has("lower damping_n_s_per_m") && !Has("rate_hz to"));
 }
 
-TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibility]") {
+TEST_CASE("an unknown damping is a warning with the damping needed") {
     FakeDevice device;
     CHECK_THAT(only(Verdict::warn, check_feasibility(felt_study(), device)),
                Has("needs 0.5 N s/m"));
 }
 
-TEST_CASE("a device that gives no force can render everything", "[feasibility]") {
+TEST_CASE("a device that gives no force can render everything") {
     const engine::PointerDevice mouse;
     CHECK(check_feasibility(felt_study(1e5), mouse).empty());
 }
 
-TEST_CASE("an object or a start pose out of reach is refused with the point", "[feasibility]") {
+TEST_CASE("an object or a start pose out of reach is refused with the point") {
     FakeDevice device;
     device.what.damping = 1.0;
     device.force = 20.0;
@@ -167,8 +164,7 @@ TEST_CASE("an object or a start pose out of reach is refused with the point", "[
     CHECK_THAT(findings[0].text, Has("(-40.0, 0.0) mm", "\"concave\""));
 }
 
-TEST_CASE("a machine that reaches nothing of a study is refused, in the plane and in space",
-          "[feasibility][law]") {
+TEST_CASE("a machine that reaches nothing of a study is refused, in the plane and in space") {
     engine::Calibration small;  // its lengths were given in metres
     engine::FiveBar& links = small.pantograph.linkage;
     for (double* length :
@@ -198,7 +194,7 @@ TEST_CASE("a machine that reaches nothing of a study is refused, in the plane an
     CHECK_THAT(findings[1].text, Has("cannot reach the start pose"));
 }
 
-TEST_CASE("a weak device is a warning that says from where on the force clips", "[feasibility]") {
+TEST_CASE("a weak device is a warning that says from where on the force clips") {
     FakeDevice device;
     device.what.damping = 1.0;
     device.reach = 1.0;
@@ -209,7 +205,7 @@ TEST_CASE("a weak device is a warning that says from where on the force clips", 
     CHECK(check_feasibility(felt_study(500.0), device).empty());
 }
 
-TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibility]") {
+TEST_CASE("the weakest point of a pantograph is found on the outline") {
     const engine::Machine pantograph{engine::Calibration{}};
     FakeDevice device;
     device.what.damping = 1.0;

@@ -58,8 +58,7 @@ std::vector<engine::TickRecord> felt(const Protocol& protocol, std::size_t objec
 
 }  // namespace
 
-TEST_CASE("a set stands for its objects: the study's hash is that of the objects written out",
-          "[free_forms][law]") {
+TEST_CASE("a set stands for its objects: the study's hash is that of the objects written out") {
     const std::string sets =
         with_objects("[[object]]\nset = \"five_shapes\"\n\n[[object]]\nset = \"catch_pair\"\n\n");
     const Protocol study = parse_protocol(sets, "p.toml");
@@ -68,8 +67,7 @@ TEST_CASE("a set stands for its objects: the study's hash is that of the objects
     CHECK(protocol_hash(study) == protocol_hash(written));
 }
 
-TEST_CASE("a ladder of curvatures is even, exact at its ends, and named by them",
-          "[free_forms][law]") {
+TEST_CASE("a ladder of curvatures is even, exact at its ends, and named by them") {
     Random random(3);
     for (int i = 0; i < 50; ++i) {
         const double from = random.in(-15.0, 0.0);
@@ -94,8 +92,7 @@ TEST_CASE("a ladder of curvatures is even, exact at its ends, and named by them"
     }
 }
 
-TEST_CASE("the canonical text of free forms is explicit and reads back as the same study",
-          "[free_forms][law]") {
+TEST_CASE("the canonical text of free forms is explicit and reads back as the same study") {
     const Protocol study = free_forms();
     REQUIRE(study.objects.size() == 6);
     const std::string text = to_toml(study);
@@ -110,8 +107,7 @@ TEST_CASE("the canonical text of free forms is explicit and reads back as the sa
 }
 
 TEST_CASE(
-    "two arcs and a base line from control points are the object of that curvature, to the bit",
-    "[free_forms][law]") {
+    "two arcs and a base line from control points are the object of that curvature, to the bit") {
     const double curvature = GENERATE(-10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     Protocol study;
     study.objects = {{.name = "curves", .curvature = curvature}, {.name = "free"}};
@@ -129,7 +125,7 @@ TEST_CASE(
     CHECK(outline_text(*outline_of(study, 0)) == outline_text(*outline_of(study, 1)));
 }
 
-TEST_CASE("a placed object is the object enlarged, then turned, then moved", "[free_forms][law]") {
+TEST_CASE("a placed object is the object enlarged, then turned, then moved") {
     SEEDED(random, std::uint64_t{40});
     Protocol study = free_forms();
     const Protocol before = study;
@@ -152,8 +148,7 @@ TEST_CASE("a placed object is the object enlarged, then turned, then moved", "[f
     }
 }
 
-TEST_CASE("the picture of a free form is nowhere farther from its outline than it says",
-          "[free_forms][law]") {
+TEST_CASE("the picture of a free form is nowhere farther from its outline than it says") {
     const Protocol study = free_forms();
     const double tolerance = GENERATE(20e-6, 200e-6, 2e-3);
     for (std::size_t i = 0; i < study.objects.size(); ++i) {
@@ -173,7 +168,7 @@ TEST_CASE("the picture of a free form is nowhere farther from its outline than i
 }
 
 // Corners on a grid of integers: whether two edges meet is decided there without rounding.
-TEST_CASE("a polygon that meets itself is found, and no other", "[free_forms][law]") {
+TEST_CASE("a polygon that meets itself is found, and no other") {
     int met = 0;
     for (std::uint64_t seed = 0; seed < 4000; ++seed) {
         Random random(seed);
@@ -223,7 +218,7 @@ TEST_CASE("a polygon that meets itself is found, and no other", "[free_forms][la
     CHECK(met < 3500);
 }
 
-TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
+TEST_CASE("an object that cannot be is refused at its place") {
     for (const auto& row : test_rows("free_form_problems.tsv")) {
         CAPTURE(row);
         const std::string said = refusal(replaced(kFreeForms, row.at(0), row.at(1)));
@@ -235,7 +230,7 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
         Has("[[object]] 1 lacks the key curvature_per_m"));
 }
 
-TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
+TEST_CASE("two pictured free forms of one outline are refused") {
     const std::string& text = kFreeForms;
     const std::size_t from = text.find("[[object]]");
     const std::size_t to = text.find("[[object]]", from + 1);
@@ -244,8 +239,7 @@ TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") 
                Has("has the outline of [[object]] 1"));
 }
 
-TEST_CASE("an observer without noise knows each form by touch, wherever its picture stands",
-          "[free_forms][observer][law]") {
+TEST_CASE("an observer without noise knows each form by touch, wherever its picture stands") {
     Protocol study = free_forms();
     study.observer = {.noise = 0.0, .lapse = 0.0};
     SEEDED(random, std::uint64_t{12});
@@ -282,8 +276,7 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
     CHECK(again.misfits() == cues.misfits());
 }
 
-TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly",
-          "[free_forms][observer]") {
+TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly") {
     Protocol study = free_forms();
     study.observer = {.noise = 1e6, .lapse = 0.0};
     const bool touched = GENERATE(false, true);

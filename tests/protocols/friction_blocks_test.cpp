@@ -44,8 +44,8 @@ std::vector<std::size_t> frictions_of(const Plan& plan) {
 
 }  // namespace
 
-TEST_CASE("a friction block has one friction, every object equally often, and keeps the run limit",
-          "[friction_blocks][law]") {
+TEST_CASE(
+    "a friction block has one friction, every object equally often, and keeps the run limit") {
     const auto how = GENERATE(FrictionBlocks::abba, FrictionBlocks::blocked);
     EACH(frictions, std::size_t{2}, std::size_t{3});
     SEED(std::uint64_t{25});
@@ -83,7 +83,7 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
     CHECK(summarise(plan).longest_object_run <= 2);
 }
 
-TEST_CASE("abba goes there and back, blocked goes there again", "[friction_blocks][law]") {
+TEST_CASE("abba goes there and back, blocked goes there again") {
     EACH(frictions, std::size_t{2}, std::size_t{3}, std::size_t{4});
     SEED(std::uint64_t{20});
     const auto round = [&](const std::vector<std::size_t>& all, std::size_t i) {
@@ -109,8 +109,7 @@ TEST_CASE("abba goes there and back, blocked goes there again", "[friction_block
     CHECK(round(blocked, 0) == round(blocked, 1));
 }
 
-TEST_CASE("catch trials are felt with the friction of their block, spread evenly over its blocks",
-          "[friction_blocks][law]") {
+TEST_CASE("catch trials are felt with the friction of their block, spread evenly over its blocks") {
     EACH(catches, range(std::size_t{0}, std::size_t{13}));
     Protocol protocol = study(FrictionBlocks::abba);
     protocol.design.catch_trials = catches;
@@ -136,8 +135,7 @@ TEST_CASE("catch trials are felt with the friction of their block, spread evenly
 // 3 catch trials of one friction and 25 main trials: places 1 to 25 or later of a block. With one
 // catch trial in a block its place is uniform over 25; chi-square of 24 degrees passes 66 once in
 // 100,000.
-TEST_CASE("a catch trial comes at every place of its block but the first, equally often",
-          "[friction_blocks]") {
+TEST_CASE("a catch trial comes at every place of its block but the first, equally often") {
     Protocol protocol = study(FrictionBlocks::abba);
     protocol.design.catch_trials = 4;
     std::map<std::size_t, double> places;
@@ -157,8 +155,7 @@ TEST_CASE("a catch trial comes at every place of its block but the first, equall
 
 // Objects are alike to the limit. Four degrees of freedom; 35 is passed once in 2e6, at any of 25
 // places of 4 blocks once in 20,000.
-TEST_CASE("in a friction block every object is equally likely at every place",
-          "[friction_blocks][law]") {
+TEST_CASE("in a friction block every object is equally likely at every place") {
     const Protocol protocol = study(FrictionBlocks::abba);
     std::map<std::pair<std::size_t, std::size_t>, std::map<std::size_t, double>> places;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
@@ -176,8 +173,7 @@ TEST_CASE("in a friction block every object is equally likely at every place",
     }
 }
 
-TEST_CASE("with nobody there yet each friction begins as often as the others",
-          "[friction_blocks]") {
+TEST_CASE("with nobody there yet each friction begins as often as the others") {
     std::map<std::size_t, double> begins;
     const Protocol protocol = study(FrictionBlocks::blocked, 2, {.repetitions = 1});
     for (std::uint64_t seed = 0; seed < 4000; ++seed) {
@@ -187,8 +183,8 @@ TEST_CASE("with nobody there yet each friction begins as often as the others",
     CHECK(chi_square(begins, 2) < 24.0);  // one degree of freedom: passed once in 1e6
 }
 
-TEST_CASE("after every participant no order of frictions is used more than once more than another",
-          "[friction_blocks][counterbalance][law]") {
+TEST_CASE(
+    "after every participant no order of frictions is used more than once more than another") {
     EACH(frictions, std::size_t{2}, std::size_t{3});
     SEED(std::uint64_t{20});
     const Protocol protocol = study(FrictionBlocks::abba, frictions);
@@ -207,7 +203,7 @@ TEST_CASE("after every participant no order of frictions is used more than once 
     }
 }
 
-TEST_CASE("a trial that is run again stays in its friction block", "[friction_blocks][law]") {
+TEST_CASE("a trial that is run again stays in its friction block") {
     const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
     const Plan plan = blocked_plan_of(study(FrictionBlocks::abba), seed);
     RequeueRule rule;
@@ -229,7 +225,7 @@ TEST_CASE("a trial that is run again stays in its friction block", "[friction_bl
     }
 }
 
-TEST_CASE("friction blocks that cannot be are refused with the remedy", "[friction_blocks]") {
+TEST_CASE("friction blocks that cannot be are refused with the remedy") {
     CHECK_THROWS_WITH(blocked_plan_of(study(FrictionBlocks::abba, 1), 1),
                       Has("two frictions or more"));
     CHECK_THROWS_WITH(blocked_plan_of(study(FrictionBlocks::abba, 2, {.blocks = 5}), 1),

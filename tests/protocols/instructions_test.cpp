@@ -12,57 +12,6 @@ namespace {
 
 const std::string kStudy = short_text("shape_friction");
 
-}  // namespace
-
-TEST_CASE("what a study has without saying so changes no hash, and what it says does",
-          "[protocol][law]") {
-    const Protocol plain = parse_protocol(kStudy, "p");
-    CHECK(to_toml(plain).find("instructions") == std::string::npos);
-    const std::string hash = protocol_hash(plain);
-    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"none\"\n", "p")) == hash);
-    CHECK(protocol_hash(parse_protocol(kStudy + "[instructions.tr]\n", "p")) == hash);
-    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\n", "p")) != hash);
-    CHECK(protocol_hash(
-              parse_protocol(kStudy + "[instructions.tr]\nwelcome = \"Merhaba\"\n", "p")) != hash);
-}
-
-TEST_CASE("instructions are read by language, with their line breaks, and written so",
-          "[protocol]") {
-    const Protocol protocol = parse_protocol(
-        kStudy +
-            "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
-            "explore = \"x\"\n"
-            "choose = \"c\"\nbreak = \"b\"\nend = \"e\"\n"
-            "[instructions.tr]\nwelcome = '''\nGöremediğiniz nesneler.\nİkinci satır.'''\n",
-        "p");
-    const InstructionTexts& english = protocol.instructions[0];
-    CHECK(english.welcome == "One.\n\nTwo \"quoted\".");
-    CHECK((english.ready == "r" && english.explore == "x" && english.choose == "c" &&
-           english.rest == "b" && english.end == "e"));
-    CHECK(protocol.instructions[1].welcome == "Göremediğiniz nesneler.\nİkinci satır.");
-    CHECK(protocol.instructions[1].ready.empty());
-    CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
-}
-
-TEST_CASE("masking noise is read with its level", "[protocol]") {
-    const Protocol protocol =
-        parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
-    CHECK(protocol.masking == MaskingSpec{.noise = Noise::pink, .level_db = -24.5});
-    CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
-}
-
-TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more", "[protocol]") {
-    const auto said = [](const std::string& end) {
-        return refusal(kStudy + "[instructions.en]\nend = \"" + end + "\"\n");
-    };
-    const std::string longest(kMaxInstruction, 'x');
-    CHECK(said(longest) == "accepted");
-    CHECK_THAT(said(longest + "x"), Has(":7: end is ", "601 bytes: give 1 to 600 bytes of text"));
-    CHECK(said("1\\n2\\n\\n4\\n5\\n6\\n7\\n8") == "accepted");  // more: protocol_problems.tsv
-}
-
-namespace {
-
 Protocol shipped(std::string_view name) {
     return parse_protocol(short_text(name), name);
 }
@@ -79,8 +28,52 @@ engine::Vec3 near(const StartGate& gate, tests::Random& random, double reach) {
 
 }  // namespace
 
-TEST_CASE("a trial begins within the radius of the start, and nowhere without a place",
-          "[gate][law]") {
+TEST_CASE("what a study has without saying so changes no hash, and what it says does") {
+    const Protocol plain = parse_protocol(kStudy, "p");
+    CHECK(to_toml(plain).find("instructions") == std::string::npos);
+    const std::string hash = protocol_hash(plain);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"none\"\n", "p")) == hash);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[instructions.tr]\n", "p")) == hash);
+    CHECK(protocol_hash(parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\n", "p")) != hash);
+    CHECK(protocol_hash(
+              parse_protocol(kStudy + "[instructions.tr]\nwelcome = \"Merhaba\"\n", "p")) != hash);
+}
+
+TEST_CASE("instructions are read by language, with their line breaks, and written so") {
+    const Protocol protocol = parse_protocol(
+        kStudy +
+            "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
+            "explore = \"x\"\n"
+            "choose = \"c\"\nbreak = \"b\"\nend = \"e\"\n"
+            "[instructions.tr]\nwelcome = '''\nGöremediğiniz nesneler.\nİkinci satır.'''\n",
+        "p");
+    const InstructionTexts& english = protocol.instructions[0];
+    CHECK(english.welcome == "One.\n\nTwo \"quoted\".");
+    CHECK((english.ready == "r" && english.explore == "x" && english.choose == "c" &&
+           english.rest == "b" && english.end == "e"));
+    CHECK(protocol.instructions[1].welcome == "Göremediğiniz nesneler.\nİkinci satır.");
+    CHECK(protocol.instructions[1].ready.empty());
+    CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
+}
+
+TEST_CASE("masking noise is read with its level") {
+    const Protocol protocol =
+        parse_protocol(kStudy + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
+    CHECK(protocol.masking == MaskingSpec{.noise = Noise::pink, .level_db = -24.5});
+    CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
+}
+
+TEST_CASE("a text to be shown may have 600 bytes and eight lines, and no more") {
+    const auto said = [](const std::string& end) {
+        return refusal(kStudy + "[instructions.en]\nend = \"" + end + "\"\n");
+    };
+    const std::string longest(kMaxInstruction, 'x');
+    CHECK(said(longest) == "accepted");
+    CHECK_THAT(said(longest + "x"), Has(":7: end is ", "601 bytes: give 1 to 600 bytes of text"));
+    CHECK(said("1\\n2\\n\\n4\\n5\\n6\\n7\\n8") == "accepted");  // more: protocol_problems.tsv
+}
+
+TEST_CASE("a trial begins within the radius of the start, and nowhere without a place") {
     const StartGate gate(shipped(GENERATE("shape_friction", "patch_friction")));
     CHECK(gate.lets_begin(gate.start()));
     tests::Random random(3);
@@ -95,8 +88,7 @@ TEST_CASE("a trial begins within the radius of the start, and nowhere without a 
     }
 }
 
-TEST_CASE("inside of any object of the study no trial begins, however wide the gate",
-          "[gate][law]") {
+TEST_CASE("inside of any object of the study no trial begins, however wide the gate") {
     Protocol protocol = shipped(GENERATE("shape_friction", "patch_friction"));
     protocol.apparatus.start_radius = 0.060;
     const StartGate gate(protocol);
@@ -121,7 +113,7 @@ TEST_CASE("inside of any object of the study no trial begins, however wide the g
     CHECK(inside > 20);
 }
 
-TEST_CASE("a gate that a protocol leaves out is open everywhere", "[gate][law]") {
+TEST_CASE("a gate that a protocol leaves out is open everywhere") {
     Protocol protocol = shipped("shape_friction");
     protocol.apparatus.start_radius = 0.0;
     CHECK(StartGate(protocol).lets_begin({std::nan(""), 1.0, 0.0}));

@@ -70,8 +70,7 @@ std::size_t part_of(const Plan& plan, std::size_t position) {
 
 }  // namespace
 
-TEST_CASE("each position ends with one answer that counts, or has used up its repetitions",
-          "[session][invalid][law]") {
+TEST_CASE("each position ends with one answer that counts, or has used up its repetitions") {
     SEED(std::uint64_t{100});
     const Plan plan = first_plan_of(blocked());
     const std::size_t max = seed % 4;
@@ -100,8 +99,7 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
     }
 }
 
-TEST_CASE("every later place of the block is equally likely, and none of another block",
-          "[session][invalid][law]") {
+TEST_CASE("every later place of the block is equally likely, and none of another block") {
     const Plan plan = first_plan_of(blocked());
     PendingTrials whole(plan);
     const std::size_t first = 6;  // of the first block, behind practice
@@ -131,7 +129,7 @@ TEST_CASE("every later place of the block is equally likely, and none of another
     CHECK(chi_square(counts, length - 1) < f + 5.0 * std::sqrt(2.0 * f));
 }
 
-TEST_CASE("an answered trial that breaks a rule says which and by how much", "[session][invalid]") {
+TEST_CASE("an answered trial that breaks a rule says which and by how much") {
     Protocol protocol = tests::small_protocol();
     TrialSummary good;
     good.ticks = 4000;

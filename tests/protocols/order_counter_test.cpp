@@ -26,8 +26,7 @@ Natural number(std::size_t n) {
 
 }  // namespace
 
-TEST_CASE("a share of whole numbers of any size is the quotient of what they are made of",
-          "[order][law]") {
+TEST_CASE("a share of whole numbers of any size is the quotient of what they are made of") {
     SEED(50U);
     Pcg32 random(seed, 3);
     const double part = random.next();
@@ -46,8 +45,7 @@ TEST_CASE("a share of whole numbers of any size is the quotient of what they are
     }
 }
 
-TEST_CASE("the counter finds as many orders as there are, for both limits at once",
-          "[order][law]") {
+TEST_CASE("the counter finds as many orders as there are, for both limits at once") {
     SEEDED(random, std::uint64_t{300});
     const Order trials = some_trials(random);
     const RunLimits limits{.object = random.index(4), .friction = random.index(4)};
@@ -71,7 +69,7 @@ TEST_CASE("the counter finds as many orders as there are, for both limits at onc
     }
 }
 
-TEST_CASE("two ways to count large designs agree to the last digit", "[order][law]") {
+TEST_CASE("two ways to count large designs agree to the last digit") {
     struct Case {
         std::vector<std::size_t> counts;
         std::size_t limit;
@@ -93,7 +91,7 @@ TEST_CASE("two ways to count large designs agree to the last digit", "[order][la
 }
 
 // Every way, also where the sampler itself would not take it, against the list of all orders.
-TEST_CASE("every way of drawing is uniform over all admissible orders", "[order][law]") {
+TEST_CASE("every way of drawing is uniform over all admissible orders") {
     struct Case {
         Order trials;
         RunLimits limits;
@@ -124,7 +122,7 @@ TEST_CASE("every way of drawing is uniform over all admissible orders", "[order]
 }
 
 // experiment.md names the shares 4.9e-5, .268 and .829 for five shapes ten times each.
-TEST_CASE("the acceptance of whole shuffles is the published one", "[order]") {
+TEST_CASE("the acceptance of whole shuffles is the published one") {
     const Order trials = factorial_of(5, 1, 10);
     CHECK(acceptance_of(trials, {.object = 1}).share == Approx(4.9e-5).epsilon(0.01));
     CHECK(acceptance_of(trials, {.object = 2}).share == Approx(0.268).epsilon(0.002));
@@ -133,8 +131,7 @@ TEST_CASE("the acceptance of whole shuffles is the published one", "[order]") {
     CHECK(acceptance_of(trials, {}).share == 1.0);
 }
 
-TEST_CASE("the acceptance is the number of admissible orders over the number of all",
-          "[order][law]") {
+TEST_CASE("the acceptance is the number of admissible orders over the number of all") {
     SEEDED(random, std::uint64_t{60});
     const Order trials = some_trials(random);
     const RunLimits limits{.object = random.index(4), .friction = random.index(4)};
@@ -151,8 +148,7 @@ TEST_CASE("the acceptance is the number of admissible orders over the number of 
 
 // By two ways that leave different things to chance, and by 1.9e-5 of 10^7 shuffles counted
 // earlier.
-TEST_CASE("the default study's acceptance is estimated alike by counting and by shuffling",
-          "[order]") {
+TEST_CASE("the default study's acceptance is estimated alike by counting and by shuffling") {
     const Acceptance acceptance =
         acceptance_of(factorial_of(5, 2, 10), {.object = 2, .friction = 3});
     CHECK_FALSE(acceptance.exact);
@@ -160,7 +156,7 @@ TEST_CASE("the default study's acceptance is estimated alike by counting and by 
     CHECK(acceptance.share == Approx(1.95e-5).epsilon(0.08));
 }
 
-TEST_CASE("limits that hardly any shuffle keeps are kept", "[order][law]") {
+TEST_CASE("limits that hardly any shuffle keeps are kept") {
     struct Case {
         Order trials;
         RunLimits limits;

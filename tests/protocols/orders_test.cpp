@@ -19,72 +19,6 @@ Order repaired(Order order, const RunLimits& limits, Pcg32& random) {
     return order;
 }
 
-}  // namespace
-
-TEST_CASE("every order has each trial exactly once and keeps the run limits", "[order][law]") {
-    SEED(std::uint64_t{200});
-    Pcg32 random(seed, 5);
-    const Order trials = factorial_of(5, 2, 10);
-    const ConstrainedOrder drawn = OrderSampler(trials, {.object = 2, .friction = 3}).draw(random);
-
-    CHECK(longest_run(drawn.order, &Condition::object) <= 2);
-    CHECK(longest_run(drawn.order, &Condition::friction) <= 3);
-    Order sorted = drawn.order;
-    std::sort(sorted.begin(), sorted.end());
-    CHECK(sorted == trials);
-    CHECK(drawn.attempts >= 1);
-}
-
-// What tells uniform orders of every way of drawing (order_counter_test.cpp) is able to fail.
-TEST_CASE("repair by swaps is not uniform over all admissible orders", "[order]") {
-    const Order trials = factorial_of(2, 2, 2);
-    const RunLimits limits{.object = 2, .friction = 2};
-    const auto orders = admissible(trials, limits);
-    Pcg32 random(2024, 1);
-    const double excess = excess_of_chi_square(orders, 100 * orders.size(),
-                                               [&] { return repaired(trials, limits, random); });
-    CHECK(excess > 50.0);
-}
-
-TEST_CASE("the cheap test refuses exactly what one factor cannot keep", "[order][law]") {
-    for (std::size_t first = 0; first <= 5; ++first) {
-        for (std::size_t second = 0; second <= 4; ++second) {
-            for (std::size_t limit = 1; limit <= 4; ++limit) {
-                Order trials(first, Condition{0, 0});
-                trials.insert(trials.end(), second, Condition{1, 0});
-                CAPTURE(first, second, limit);
-                const RunLimits limits{.object = limit, .friction = 0};
-                CHECK(why_infeasible(trials, limits).has_value() ==
-                      admissible(trials, limits).empty());
-            }
-        }
-    }
-}
-
-TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
-    Pcg32 random(1, 1);
-    CHECK_THROWS_WITH(
-        OrderSampler(factorial_of(1, 1, 3), {.object = 2, .friction = 0}).draw(random),
-        Has("object 1 occurs 3 times", "allow runs of 3"));
-    CHECK_THROWS_WITH(
-        OrderSampler(factorial_of(2, 2, 5), {.object = 1, .friction = 1}).draw(random),
-        Has("alternate"));
-    // Each limit can be kept alone: the frictions alternate, and the objects come in whole.
-    Order unlike = factorial_of(2, 2, 1);
-    unlike.push_back({0, 0});
-    unlike.push_back({0, 1});
-    CHECK_THROWS_WITH(OrderSampler(unlike, {.object = 1, .friction = 2}).draw(random),
-                      Has("allow runs"));
-}
-
-TEST_CASE("no limits: the first shuffle is taken", "[order]") {
-    Pcg32 random(9, 9);
-    CHECK(OrderSampler(factorial_of(1, 1, 30), {}).draw(random).attempts == 1);
-    CHECK(OrderSampler({}, {.object = 1, .friction = 1}).draw(random).order.empty());
-}
-
-namespace {
-
 using Sequence = std::vector<std::size_t>;
 
 /// Every sequence with every ordered pair once, by trying all.
@@ -146,7 +80,69 @@ bool backtracking(std::size_t k,
 
 }  // namespace
 
-TEST_CASE("a first-order balanced sequence has every ordered pair once", "[eulerian][law]") {
+TEST_CASE("every order has each trial exactly once and keeps the run limits") {
+    SEED(std::uint64_t{200});
+    Pcg32 random(seed, 5);
+    const Order trials = factorial_of(5, 2, 10);
+    const ConstrainedOrder drawn = OrderSampler(trials, {.object = 2, .friction = 3}).draw(random);
+
+    CHECK(longest_run(drawn.order, &Condition::object) <= 2);
+    CHECK(longest_run(drawn.order, &Condition::friction) <= 3);
+    Order sorted = drawn.order;
+    std::sort(sorted.begin(), sorted.end());
+    CHECK(sorted == trials);
+    CHECK(drawn.attempts >= 1);
+}
+
+// What tells uniform orders of every way of drawing (order_counter_test.cpp) is able to fail.
+TEST_CASE("repair by swaps is not uniform over all admissible orders") {
+    const Order trials = factorial_of(2, 2, 2);
+    const RunLimits limits{.object = 2, .friction = 2};
+    const auto orders = admissible(trials, limits);
+    Pcg32 random(2024, 1);
+    const double excess = excess_of_chi_square(orders, 100 * orders.size(),
+                                               [&] { return repaired(trials, limits, random); });
+    CHECK(excess > 50.0);
+}
+
+TEST_CASE("the cheap test refuses exactly what one factor cannot keep") {
+    for (std::size_t first = 0; first <= 5; ++first) {
+        for (std::size_t second = 0; second <= 4; ++second) {
+            for (std::size_t limit = 1; limit <= 4; ++limit) {
+                Order trials(first, Condition{0, 0});
+                trials.insert(trials.end(), second, Condition{1, 0});
+                CAPTURE(first, second, limit);
+                const RunLimits limits{.object = limit, .friction = 0};
+                CHECK(why_infeasible(trials, limits).has_value() ==
+                      admissible(trials, limits).empty());
+            }
+        }
+    }
+}
+
+TEST_CASE("limits that cannot be kept are refused with a reason") {
+    Pcg32 random(1, 1);
+    CHECK_THROWS_WITH(
+        OrderSampler(factorial_of(1, 1, 3), {.object = 2, .friction = 0}).draw(random),
+        Has("object 1 occurs 3 times", "allow runs of 3"));
+    CHECK_THROWS_WITH(
+        OrderSampler(factorial_of(2, 2, 5), {.object = 1, .friction = 1}).draw(random),
+        Has("alternate"));
+    // Each limit can be kept alone: the frictions alternate, and the objects come in whole.
+    Order unlike = factorial_of(2, 2, 1);
+    unlike.push_back({0, 0});
+    unlike.push_back({0, 1});
+    CHECK_THROWS_WITH(OrderSampler(unlike, {.object = 1, .friction = 2}).draw(random),
+                      Has("allow runs"));
+}
+
+TEST_CASE("no limits: the first shuffle is taken") {
+    Pcg32 random(9, 9);
+    CHECK(OrderSampler(factorial_of(1, 1, 30), {}).draw(random).attempts == 1);
+    CHECK(OrderSampler({}, {.object = 1, .friction = 1}).draw(random).order.empty());
+}
+
+TEST_CASE("a first-order balanced sequence has every ordered pair once") {
     EACH(k, range(std::size_t{1}, std::size_t{25}));
     Pcg32 random(k, 9);
     const Sequence sequence = eulerian_order(k, random);
@@ -162,8 +158,8 @@ TEST_CASE("a first-order balanced sequence has every ordered pair once", "[euler
 
 // BEST: circuits = k^(k-2) trees * (k-1)!^k; each opens at k^2 places, of which k begin with a
 // given symbol. k = 2: 1 * 1 = 1 circuit, 4 sequences. k = 3: 3 * 8 = 24 circuits, 216 sequences.
-TEST_CASE("first-order balanced sequences are uniform over all, as many as the BEST theorem counts",
-          "[eulerian][law]") {
+TEST_CASE(
+    "first-order balanced sequences are uniform over all, as many as the BEST theorem counts") {
     const std::size_t k = GENERATE(std::size_t{2}, std::size_t{3});
     const auto all = all_sequences(k);
     CHECK(all.size() == (k == 2 ? 4 : 216));
@@ -172,7 +168,7 @@ TEST_CASE("first-order balanced sequences are uniform over all, as many as the B
                                          [&] { return eulerian_order(k, random); })) < 4.0);
 }
 
-TEST_CASE("a walk that backs out of dead ends fails the same test", "[eulerian]") {
+TEST_CASE("a walk that backs out of dead ends fails the same test") {
     const auto all = all_sequences(3);
     Pcg32 random(5, 3);
     const double excess = excess_of_chi_square(all, 300 * all.size(), [&] {
@@ -184,14 +180,14 @@ TEST_CASE("a walk that backs out of dead ends fails the same test", "[eulerian]"
     CHECK(excess > 50.0);
 }
 
-TEST_CASE("a sequence of no symbols is empty, and of too many refused", "[eulerian]") {
+TEST_CASE("a sequence of no symbols is empty, and of too many refused") {
     Pcg32 random(1, 1);
     CHECK(eulerian_order(0, random).empty());
     CHECK_THROWS_AS(eulerian_order(kMaxSymbols + 1, random), std::invalid_argument);
 }
 
 // FIPS 180-4 and its example values (NIST, "Examples with intermediate values": SHA-256).
-TEST_CASE("SHA-256 gives the published digests", "[hash]") {
+TEST_CASE("SHA-256 gives the published digests") {
     CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     CHECK(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
@@ -200,7 +196,7 @@ TEST_CASE("SHA-256 gives the published digests", "[hash]") {
           "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST_CASE("a stream is the hash of its key's text", "[random]") {
+TEST_CASE("a stream is the hash of its key's text") {
     const StreamKey key{.protocol_hash = "abcd",
                         .participant = "p01",
                         .session = 2,
@@ -218,7 +214,7 @@ TEST_CASE("a stream is the hash of its key's text", "[random]") {
     CHECK(stream(key) == expected);
 }
 
-TEST_CASE("keys that differ anywhere have different texts and streams", "[random][law]") {
+TEST_CASE("keys that differ anywhere have different texts and streams") {
     const StreamKey key{.protocol_hash = "h", .participant = "p", .purpose = "catch"};
     std::vector<StreamKey> keys(8, key);
     keys[1].protocol_hash = std::string("i");

@@ -65,8 +65,7 @@ Seen feel(const Protocol& protocol, const Condition& condition, double speed, Ra
 
 }  // namespace
 
-TEST_CASE("ordinary exploration of the shipped studies trips nothing and is hardly ever slewed",
-          "[safety][law]") {
+TEST_CASE("ordinary exploration of the shipped studies trips nothing and is hardly ever slewed") {
     const auto& shipped = GENERATE(from_range(shipped_protocols()));
     const double speed = GENERATE(0.065, 0.2, 0.4);
     CAPTURE(shipped.name, speed);

@@ -51,7 +51,7 @@ double longest_runs(std::size_t draws, const Draw& draw) {
 // All objects are alike to the limits, and all frictions: every condition is as likely as any other
 // at every place. Nine degrees of freedom; 46 is passed once in 1.5e6, at any of 100 places once in
 // 15,000.
-TEST_CASE("within limits every condition is equally likely at every place", "[order][law]") {
+TEST_CASE("within limits every condition is equally likely at every place") {
     struct Case {
         std::size_t repetitions, draws;
     };
@@ -64,8 +64,7 @@ TEST_CASE("within limits every condition is equally likely at every place", "[or
 
 // Conditions by place cannot tell: a repair by swaps knows no condition from another either. What
 // it changes is how often runs come, by more than 1 (measured: sd of the mean of 2,000 orders .05).
-TEST_CASE("orders of the default study have as many long runs as shuffles within the limits",
-          "[order]") {
+TEST_CASE("orders of the default study have as many long runs as shuffles within the limits") {
     const Order trials = factorial_of(5, 2, 10);
     const RunLimits limits{.object = 2, .friction = 3};
     OrderSampler sampler(trials, limits);
@@ -81,8 +80,7 @@ TEST_CASE("orders of the default study have as many long runs as shuffles within
     CHECK(std::fabs(longest_runs(100, shuffles) - uniform) < 4.0 * 0.05 * std::sqrt(21.0));
 }
 
-TEST_CASE("every block is balanced exactly and keeps the limits, and no two are alike",
-          "[plan][law]") {
+TEST_CASE("every block is balanced exactly and keeps the limits, and no two are alike") {
     SEED(std::uint64_t{20});
     EACH(blocks, std::size_t{1}, std::size_t{2}, std::size_t{5});
     const Plan plan = ruled_plan_of(named_study(5, 2, {.blocks = blocks}), seed);
@@ -121,8 +119,7 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
                          [](const auto& a, const auto& b) { return a.block < b.block; }));
 }
 
-TEST_CASE("a first-order plan has every condition after every condition once, and a trial before",
-          "[plan][law]") {
+TEST_CASE("a first-order plan has every condition after every condition once, and a trial before") {
     SEED(std::uint64_t{20});
     EACH(practice, std::size_t{0}, std::size_t{1});
     const Plan plan = ruled_plan_of(named_study(3, 2,
@@ -151,7 +148,7 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
     }
 }
 
-TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[plan]") {
+TEST_CASE("what cannot be divided or balanced is refused with the remedy") {
     CHECK_THROWS_WITH(ruled_plan_of(named_study(5, 2, {.blocks = 3})),
                       Has("10 repetitions", "3 blocks"));
     CHECK_THROWS_WITH(ruled_plan_of(named_study(5, 2, {.blocks = 0})), Has("0 blocks"));
@@ -163,7 +160,7 @@ TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[pla
         Has("no catch trials"));
 }
 
-TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
+TEST_CASE("ten thousand trials in blocks are planned whole") {
     const Plan plan = ruled_plan_of(named_study(
         5, 2, {.repetitions = 1000, .practice_repetitions = 0, .catch_trials = 0, .blocks = 100}));
     CHECK(plan.trials.size() == 10'000);
@@ -172,7 +169,7 @@ TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
 
 // Equal with gcc 12 and clang 14, libstdc++ and libc++, -O0 and -O2. Another compiler, library or
 // version of this program must give the same plans, or a session could not be resumed there.
-TEST_CASE("plans of many designs are the same in every build", "[plan][golden]") {
+TEST_CASE("plans of many designs are the same in every build") {
     const std::array designs = {
         named_study(5, 2, {}),
         named_study(5, 2, {.repetitions = 5, .max_run_object = 1, .max_run_friction = 2}),

@@ -25,7 +25,7 @@ std::string problems(std::string_view text) {
 
 }  // namespace
 
-TEST_CASE("every kind of procedure file is read", "[procedure_file]") {
+TEST_CASE("every kind of procedure file is read") {
     for (const std::string_view text : kAll) {
         CAPTURE(text);
         CHECK(problems(text) == "accepted");
@@ -39,7 +39,7 @@ TEST_CASE("every kind of procedure file is read", "[procedure_file]") {
     CHECK(parse_procedure(kPsi, "p.toml").estimates()[1].name == "log10_slope");
 }
 
-TEST_CASE("a procedure file gives what the same spec gives", "[procedure_file][law]") {
+TEST_CASE("a procedure file gives what the same spec gives") {
     Procedure read = parse_procedure(kStaircases, "p.toml");
     Procedure made(std::vector<StaircaseSpec>{{.name = "low",
                                                .start = 4.0,
@@ -64,8 +64,7 @@ TEST_CASE("a procedure file gives what the same spec gives", "[procedure_file][l
     }
 }
 
-TEST_CASE("a level given by steps is the decimal number that one would write",
-          "[procedure_file][law]") {
+TEST_CASE("a level given by steps is the decimal number that one would write") {
     const std::string text =
         replaced(file_of("constant"), "[1, 2, 3, 4]", "{ from = -0.3, to = 0.6, step = 0.1 }");
     Procedure read = parse_procedure(text, "p.toml");
@@ -76,8 +75,7 @@ TEST_CASE("a level given by steps is the decimal number that one would write",
     CHECK(levels == std::set{-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
 }
 
-TEST_CASE("every key of the reference is read by some file, and each other one refused",
-          "[procedure_file][law]") {
+TEST_CASE("every key of the reference is read by some file, and each other one refused") {
     std::string all;
     for (const std::string_view text : kAll) {
         all += text;
@@ -110,7 +108,7 @@ TEST_CASE("every key of the reference is read by some file, and each other one r
     }
 }
 
-TEST_CASE("what is wrong with a procedure file is said with place and remedy", "[procedure_file]") {
+TEST_CASE("what is wrong with a procedure file is said with place and remedy") {
     for (const auto& row : test_rows("procedure_problems.tsv")) {
         CAPTURE(row);
         CHECK_THAT(problems(replaced(file_of(row.at(0)), row.at(1), row.at(2))), Has(row.at(3)));
@@ -123,8 +121,7 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     CHECK_THAT(problems("format = \n"), Has("not TOML"));
 }
 
-TEST_CASE("no procedure file, however broken, does more than be refused line by line",
-          "[procedure_file][fuzz]") {
+TEST_CASE("no procedure file, however broken, does more than be refused line by line") {
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         Random random(seed);

@@ -65,7 +65,7 @@ std::string random_file(Random& random) {
 
 }  // namespace
 
-TEST_CASE("the default study is the one that is described", "[protocol]") {
+TEST_CASE("the default study is the one that is described") {
     const Protocol protocol = load_protocol(library("shape_friction.toml"));
     CHECK(protocol.id == "shape_friction");
     CHECK(protocol.objects.size() == 7);
@@ -86,7 +86,7 @@ TEST_CASE("the default study is the one that is described", "[protocol]") {
     CHECK(plan.picture_order.size() == 5);
 }
 
-TEST_CASE("the demo is ten trials of the default study", "[protocol]") {
+TEST_CASE("the demo is ten trials of the default study") {
     const Protocol study = load_protocol(library("shape_friction.toml"));
     const Protocol demo = load_protocol(library("shape_friction_demo.toml"));
     CHECK(std::vector(study.objects.begin(), study.objects.begin() + 5) == demo.objects);
@@ -99,7 +99,7 @@ TEST_CASE("the demo is ten trials of the default study", "[protocol]") {
     CHECK(plan.trials.size() == 10);
 }
 
-TEST_CASE("what is written is read back to the last bit", "[protocol][law]") {
+TEST_CASE("what is written is read back to the last bit") {
     SEEDED(random, std::uint64_t{300});
     const std::string file = random_file(random);
     CAPTURE(file);
@@ -110,8 +110,7 @@ TEST_CASE("what is written is read back to the last bit", "[protocol][law]") {
     CHECK(to_toml(parse_protocol(text, "canonical.toml")) == text);
 }
 
-TEST_CASE("whole millimetres are read as the double of their decimal in metres",
-          "[protocol][law]") {
+TEST_CASE("whole millimetres are read as the double of their decimal in metres") {
     const Protocol study = load_protocol(library("shape_friction.toml"));
     const std::string text = to_toml(study);
     const std::string start = "start_mm = [0, 60]";
@@ -123,13 +122,13 @@ TEST_CASE("whole millimetres are read as the double of their decimal in metres",
     }
 }
 
-TEST_CASE("numbers are written as short as they can be", "[protocol]") {
+TEST_CASE("numbers are written as short as they can be") {
     const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
     CHECK_THAT(text, Has("a_mm = [-40, 0]\n", "vertex_radius_mm = 3\n", "tau_slip_ms = 20\n",
                          "mu_s = 0.7\n", "noise_per_m = 2.62\n"));
 }
 
-TEST_CASE("each key is part of the hash as soon as it differs", "[protocol][law]") {
+TEST_CASE("each key is part of the hash as soon as it differs") {
     const Protocol study = load_protocol(library("shape_friction.toml"));
     std::set<std::string> hashes{protocol_hash(study)};
     const auto differs = [&](const auto& change) {
@@ -162,7 +161,7 @@ TEST_CASE("each key is part of the hash as soon as it differs", "[protocol][law]
     differs([](Protocol& p) { p.consent_required = true; });
 }
 
-TEST_CASE("the hash sees values, not spelling", "[protocol]") {
+TEST_CASE("the hash sees values, not spelling") {
     std::string text = slurp(library("shape_friction.toml"));
     const std::string hash = protocol_hash(parse_protocol(text, "a"));
     const auto with = [&](const std::string& from, const std::string& to) {
@@ -175,7 +174,7 @@ TEST_CASE("the hash sees values, not spelling", "[protocol]") {
     CHECK(with("seed = 20260114", "seed = 20260115") != hash);
 }
 
-TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]") {
+TEST_CASE("a byte order mark and Windows line ends do not matter") {
     const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
     std::string windows = "\xef\xbb\xbf";
     for (const char c : text) {
@@ -184,8 +183,7 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
     CHECK(to_toml(parse_protocol(windows, "windows.toml")) == text);
 }
 
-TEST_CASE("every row of the keys as Markdown has five cells, and every key a meaning",
-          "[protocol]") {
+TEST_CASE("every row of the keys as Markdown has five cells, and every key a meaning") {
     std::size_t rows = 0;
     for (const std::string& line : lines_in(keys_markdown())) {
         if (line.starts_with("| `")) {
@@ -206,7 +204,7 @@ TEST_CASE("every row of the keys as Markdown has five cells, and every key a mea
     }
 }
 
-TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
+TEST_CASE("the reference for people names every key of the canonical text") {
     const std::string reference = key_reference();
     Protocol study = load_protocol(library("shape_friction.toml"));
     study.safety.dead_man = true;  // or the table would be left out, as would be these
@@ -223,8 +221,7 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     }
 }
 
-TEST_CASE("a new protocol is the shipped one but for id and title, with all its comments",
-          "[protocol][law]") {
+TEST_CASE("a new protocol is the shipped one but for id and title, with all its comments") {
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         CAPTURE(shipped.name);
         const std::string text = new_protocol(shipped, "my_study");
@@ -243,8 +240,7 @@ TEST_CASE("a new protocol is the shipped one but for id and title, with all its 
     }
 }
 
-TEST_CASE("whatever a file is called, the study gets an id that a protocol may have",
-          "[protocol][law]") {
+TEST_CASE("whatever a file is called, the study gets an id that a protocol may have") {
     CHECK(id_of("My study-2") == "my_study_2");
     CHECK(id_of("şekil") == "ekil");
     CHECK(id_of("..") == "study");
@@ -262,11 +258,11 @@ TEST_CASE("whatever a file is called, the study gets an id that a protocol may h
     }
 }
 
-TEST_CASE("a protocol that does not ship is refused with those that do", "[protocol]") {
+TEST_CASE("a protocol that does not ship is refused with those that do") {
     CHECK_THROWS_WITH(shipped_protocol("shape"), Has("\"shape\"") && Has("shape_friction_haply"));
 }
 
-TEST_CASE("the duration adds what every trial and every break take", "[duration]") {
+TEST_CASE("the duration adds what every trial and every break take") {
     // By hand: 114 trials, breaks before the main phase and after 20, 40, 60, 80 and 100 of 104: 6.
     // Around the exploration: 2 * 0.2 s of ramp, 2 s to get ready, 3 s to choose; 1.5 s of gap
     // between two trials where there is no break: 107 times.

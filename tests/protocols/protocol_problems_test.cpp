@@ -8,10 +8,15 @@ namespace {
 
 const std::string kDefaultStudy = short_text("shape_friction");
 
+/// Tables that the default study leaves out.
+constexpr std::string_view kYounger =
+    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
+    "\"Feel.\\nAnswer.\"\n"
+    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
+
 }  // namespace
 
-TEST_CASE("every wrong file is refused at the right place, with the value and a remedy",
-          "[protocol]") {
+TEST_CASE("every wrong file is refused at the right place, with the value and a remedy") {
     REQUIRE(refusal(kDefaultStudy) == "accepted");
     // One change to the default study, where in the changed text the message must point, and what
     // it must say.
@@ -25,7 +30,7 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
     }
 }
 
-TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") {
+TEST_CASE("run limits that no order can keep point at the limit") {
     std::string text = kDefaultStudy;
     const std::string second = "name = \"on\"";
     // Only one friction left: every trial has it.
@@ -40,7 +45,7 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
                                       "0 for no limit: add max_run_friction = 0 to [design]"));
 }
 
-TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
+TEST_CASE("catch trials need an object that is not pictured") {
     std::string text = kDefaultStudy;
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
@@ -54,7 +59,7 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
                                       "or add catch_trials = 0 to [design]"));
 }
 
-TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
+TEST_CASE("a first-order order says all that it needs, and then needs no run limit") {
     const std::string text =
         replaced(kDefaultStudy, "order = \"random\"", "order = \"first_order\"");
     const std::string said = refusal(
@@ -65,7 +70,7 @@ TEST_CASE("a first-order order says all that it needs, and then needs no run lim
                                 {"max_run_object = 2", "max_run_object = 1"}})) == "accepted");
 }
 
-TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
+TEST_CASE("fewer than two pictures are no choice") {
     const std::string text =
         "format = 1\nstudy = {id = \"s\", title = \"t\", seed = 1}\ndesign = {repetitions = 1}\n"
         "object = [{name = \"a\", curvature_per_m = 1}]\nfriction = [{name = \"f\", law = "
@@ -75,7 +80,7 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
                Has("with two brackets", "friction 1 is 3"));
 }
 
-TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {
+TEST_CASE("all problems of a stage are said at once, in the order of the file") {
     const std::string said = refusal(edited(kDefaultStudy, {{"gap_s = 1.5", "gap_s = -1"},
                                                             {"rate_hz = 1000", "rate_hz = 10"},
                                                             {"mu_s = 0.7", "mu_s = \"much\""}}));
@@ -84,24 +89,14 @@ TEST_CASE("all problems of a stage are said at once, in the order of the file", 
     CHECK(said.find("mu_s") < said.find("gap_s"));
 }
 
-TEST_CASE("a file that cannot be read says so in the same form", "[protocol]") {
+TEST_CASE("a file that cannot be read says so in the same form") {
     CHECK_THROWS_WITH(
         load_protocol("/nowhere/p.toml"),
         "/nowhere/p.toml:1:1: cannot be read: No such file or directory; check the path");
     CHECK_THROWS_WITH(load_protocol("/"), "/:1:1: cannot be read: it is a folder; check the path");
 }
 
-namespace {
-
-/// Tables that the default study leaves out.
-constexpr std::string_view kYounger =
-    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
-    "\"Feel.\\nAnswer.\"\n"
-    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
-
-}  // namespace
-
-TEST_CASE("no file, however broken, does more than be refused line by line", "[protocol][fuzz]") {
+TEST_CASE("no file, however broken, does more than be refused line by line") {
     const std::string file = GENERATE(
         as<std::string>{}, "protocols/library/shape_friction.toml", "tests/golden/free_forms.toml",
         "protocols/library/curvature_2afc.toml", "protocols/library/friction_threshold.toml");

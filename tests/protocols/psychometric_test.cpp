@@ -29,7 +29,7 @@ PsychometricFunction some_function(Random& random) {
 
 }  // namespace
 
-TEST_CASE("the exponential is within 2 ulp of the true one", "[psychometric][law]") {
+TEST_CASE("the exponential is within 2 ulp of the true one") {
     Random random(1);
     double worst = 0.0;
     for (int i = 0; i < 200'000; ++i) {
@@ -44,7 +44,7 @@ TEST_CASE("the exponential is within 2 ulp of the true one", "[psychometric][law
     CHECK(std::isnan(exponential(NAN)));
 }
 
-TEST_CASE("the normal distribution has fourteen digits in both tails", "[psychometric][law]") {
+TEST_CASE("the normal distribution has fourteen digits in both tails") {
     Random random(2);
     double worst = 0.0;
     for (int i = 0; i < 100'000; ++i) {
@@ -63,7 +63,7 @@ TEST_CASE("the normal distribution has fourteen digits in both tails", "[psychom
     CHECK(normal_cdf(60.0) == 1.0);
 }
 
-TEST_CASE("the normal quantile undoes the normal distribution", "[psychometric][law]") {
+TEST_CASE("the normal quantile undoes the normal distribution") {
     Random random(3);
     for (int i = 0; i < 20'000; ++i) {
         const double p = random.decade(-300.0, std::log10(0.5));
@@ -77,8 +77,7 @@ TEST_CASE("the normal quantile undoes the normal distribution", "[psychometric][
     CHECK(std::isnan(normal_quantile(1.5)));
 }
 
-TEST_CASE("every family has its known chances at threshold and one slope away",
-          "[psychometric][law]") {
+TEST_CASE("every family has its known chances at threshold and one slope away") {
     const double e = std::exp(1.0);
     // At the threshold.
     for (const Family family :
@@ -99,7 +98,7 @@ TEST_CASE("every family has its known chances at threshold and one slope away",
     CHECK(core(Family::logistic, 2.0, 1.0, std::log(3.0)) == Approx(0.75).epsilon(1e-14));
 }
 
-TEST_CASE("the three Weibull axes are one function", "[psychometric][law]") {
+TEST_CASE("the three Weibull axes are one function") {
     Random random(4);
     for (int i = 0; i < 2000; ++i) {
         const double x = random.decade(-2.0, 2.0);
@@ -117,7 +116,7 @@ TEST_CASE("the three Weibull axes are one function", "[psychometric][law]") {
     }
 }
 
-TEST_CASE("the stimulus at the chance of a stimulus is that stimulus", "[psychometric][law]") {
+TEST_CASE("the stimulus at the chance of a stimulus is that stimulus") {
     Random random(5);
     for (int i = 0; i < 5000; ++i) {
         const PsychometricFunction f = some_function(random);
@@ -131,8 +130,7 @@ TEST_CASE("the stimulus at the chance of a stimulus is that stimulus", "[psychom
     }
 }
 
-TEST_CASE("a chance grows with the stimulus and stays between guess and lapse",
-          "[psychometric][law]") {
+TEST_CASE("a chance grows with the stimulus and stays between guess and lapse") {
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
         const PsychometricFunction f = some_function(random);
@@ -151,7 +149,7 @@ TEST_CASE("a chance grows with the stimulus and stays between guess and lapse",
     }
 }
 
-TEST_CASE("the three forms of lapse frame the core as their formulas say", "[psychometric]") {
+TEST_CASE("the three forms of lapse frame the core as their formulas say") {
     PsychometricFunction f{.family = Family::normal, .slope = 1.0, .guess = 0.25, .lapse = 0.04};
     f.threshold = 0.0;
     CHECK(probability(f, 0.0) == Approx(0.25 + 0.71 * 0.5).epsilon(1e-15));
@@ -165,8 +163,7 @@ TEST_CASE("the three forms of lapse frame the core as their formulas say", "[psy
     CHECK(top(f) == Approx(1.0 - 0.04 * 0.75).epsilon(1e-15));
 }
 
-TEST_CASE("a psychometric function that makes no sense is refused with the remedy",
-          "[psychometric]") {
+TEST_CASE("a psychometric function that makes no sense is refused with the remedy") {
     CHECK_THROWS_WITH(check({.slope = 0.0}), Has("slope is 0: give"));
     CHECK_THROWS_WITH(check({.threshold = NAN}), Has("threshold is nan: give"));
     CHECK_THROWS_WITH(check({.family = Family::weibull, .threshold = -1.0}), Has("above 0"));

@@ -49,7 +49,7 @@ std::vector<double> errors(const QuestPlusSpec& spec, std::size_t k, int runs) {
 
 }  // namespace
 
-TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias", "[quest_plus][law]") {
+TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias") {
     const Spread error = spread_of(errors(yes_no(), 0, 60));
     // The best stimulus gives about .64 / sd^2 of Fisher information a trial on the threshold of a
     // yes/no task (at F = 1/2): with sd 2 and 120 trials no unbiased estimate spreads less than
@@ -58,7 +58,7 @@ TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias", "[q
     CHECK(error.sd < 2.0 * 0.23);
 }
 
-TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][law]") {
+TEST_CASE("QUEST+ finds noise and bias from five alternatives") {
     const QuestPlusSpec spec = identification();
     const Spread noise = spread_of(errors(spec, 0, 50));
     const Spread bias = spread_of(errors(spec, 1, 50));
@@ -68,7 +68,7 @@ TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][la
     CHECK(bias.sd < 0.7);  // noise 4: at least .33 from 150 percepts themselves
 }
 
-TEST_CASE("the identification model is counted out by its percepts", "[quest_plus][law]") {
+TEST_CASE("the identification model is counted out by its percepts") {
     const std::vector<double> items{-10, -5, 0, 5, 10};
     const OutcomeModel model = identification_model(items);
     SEEDED(random, std::uint64_t{6});
@@ -103,7 +103,7 @@ TEST_CASE("the identification model is counted out by its percepts", "[quest_plu
     }
 }
 
-TEST_CASE("the order of the responses does not matter to the posterior", "[quest_plus][law]") {
+TEST_CASE("the order of the responses does not matter to the posterior") {
     SEEDED(random, std::uint64_t{30});
     const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
     std::vector<std::pair<std::vector<double>, std::size_t>> trials;
@@ -127,7 +127,7 @@ TEST_CASE("the order of the responses does not matter to the posterior", "[quest
     }
 }
 
-TEST_CASE("a run that is rebuilt from its responses has the hash of the run", "[procedure][law]") {
+TEST_CASE("a run that is rebuilt from its responses has the hash of the run") {
     SEEDED(random, std::uint64_t{10});
     const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
     Procedure run(spec, Pcg32(1, 1));
@@ -151,8 +151,7 @@ TEST_CASE("a run that is rebuilt from its responses has the hash of the run", "[
     CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
 }
 
-TEST_CASE("the state of a run is the same to the bit with every compiler and C library",
-          "[procedure][golden]") {
+TEST_CASE("the state of a run is the same to the bit with every compiler and C library") {
     // Computed by this program on x86-64 with gcc 12 -O0, gcc 12 -O3 -march=native and clang 14
     // -O2, which agree: the arithmetic uses nothing of libm that is not exact, so any other
     // IEEE-754 machine must too.
@@ -170,7 +169,7 @@ TEST_CASE("the state of a run is the same to the bit with every compiler and C l
           "7f730dd12d5471d885e6cb30d5299c535f72c632815e2b3dc2b85dc50da162cd");
 }
 
-TEST_CASE("QUEST+ ends by trials or by entropy", "[quest_plus]") {
+TEST_CASE("QUEST+ ends by trials or by entropy") {
     QuestPlusSpec spec = yes_no();
     spec.trials = 7;
     QuestPlus quest(spec);
@@ -192,7 +191,7 @@ TEST_CASE("QUEST+ ends by trials or by entropy", "[quest_plus]") {
     CHECK(sharp.trials() < 500);
 }
 
-TEST_CASE("a prior pulls as a hundred equal trials would", "[quest_plus]") {
+TEST_CASE("a prior pulls as a hundred equal trials would") {
     QuestPlusSpec spec = yes_no();
     const QuestPlus uniform(spec);
     CHECK(uniform.entropy() == Approx(std::log2(33.0 * 7.0 * 3.0)).epsilon(1e-12));
@@ -205,7 +204,7 @@ TEST_CASE("a prior pulls as a hundred equal trials would", "[quest_plus]") {
     CHECK(sure.estimates().size() == 3);  // the guess rate is fixed
 }
 
-TEST_CASE("what QUEST+ cannot do is refused with the remedy", "[quest_plus]") {
+TEST_CASE("what QUEST+ cannot do is refused with the remedy") {
     QuestPlusSpec spec = yes_no();
     QuestPlus quest(spec);
     CHECK_THROWS_WITH(quest.update(std::vector<double>{0.1}, 1),
@@ -233,7 +232,7 @@ TEST_CASE("what QUEST+ cannot do is refused with the remedy", "[quest_plus]") {
     CHECK_THROWS_WITH(identification_model({1.0}), Has("at least two"));
 }
 
-TEST_CASE("a response that no parameter allows is refused and changes nothing", "[quest_plus]") {
+TEST_CASE("a response that no parameter allows is refused and changes nothing") {
     QuestPlusSpec spec = yes_no();
     spec.parameters =
         Grid({{"threshold", {0.0, 1.0}}, {"sd", {0.001}}, {"guess", {0.0}}, {"lapse", {0.0}}});
@@ -244,7 +243,7 @@ TEST_CASE("a response that no parameter allows is refused and changes nothing", 
     CHECK(quest.state_hash() == before);
 }
 
-TEST_CASE("psi is QUEST+ on a grid of log10 slopes", "[psi][law]") {
+TEST_CASE("psi is QUEST+ on a grid of log10 slopes") {
     const auto spec_with = [](SlopeAs as, const std::vector<double>& slopes) {
         const auto word = std::string(kSlopeWords.at(static_cast<std::size_t>(as)));
         return QuestPlusSpec{.model = psychometric_model(Family::logistic, LapseForm::upper, as),
@@ -278,7 +277,7 @@ TEST_CASE("psi is QUEST+ on a grid of log10 slopes", "[psi][law]") {
     CHECK(std::pow(10.0, a.estimates()[1].mean.value()) < b.estimates()[1].mean.value());
 }
 
-TEST_CASE("a JND is said to end at the grid's end where its deviation does", "[quest_plus][law]") {
+TEST_CASE("a JND is said to end at the grid's end where its deviation does") {
     Random random(3);
     int cut = 0;
     for (int run = 0; run < 40; ++run) {

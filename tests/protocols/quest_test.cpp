@@ -5,7 +5,7 @@
 
 using namespace palpate::protocols;
 
-TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
+TEST_CASE("QUEST runs a published sequence") {
     // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A.
     // Straw's translation of D. Pelli's. Two right, two wrong, and again.
     Quest quest(
@@ -32,7 +32,7 @@ TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
     CHECK(quest.finished());
 }
 
-TEST_CASE("QUEST finds the threshold of a simulated observer", "[quest][law]") {
+TEST_CASE("QUEST finds the threshold of a simulated observer") {
     // Watson & Pelli 1983 start two standard deviations of doubt away; 60 trials leave about .08
     // log10 units.
     const auto rule = static_cast<QuestRule>(GENERATE(0, 1, 2));
@@ -66,7 +66,7 @@ TEST_CASE("QUEST finds the threshold of a simulated observer", "[quest][law]") {
     CHECK(std::fabs(sum / kRuns) < 0.03);
 }
 
-TEST_CASE("QUEST's posterior is Bayes on a grid", "[quest][law]") {
+TEST_CASE("QUEST's posterior is Bayes on a grid") {
     SEEDED(random, std::uint64_t{20});
     const QuestSpec spec{.guess = random.in(-2, 2),
                          .sd = random.in(0.3, 2),
@@ -116,7 +116,7 @@ TEST_CASE("QUEST's posterior is Bayes on a grid", "[quest][law]") {
     CHECK(quest.quantile(0.3) <= quest.quantile(1.0));
 }
 
-TEST_CASE("QUEST's quirks are those of its publication", "[quest]") {
+TEST_CASE("QUEST's quirks are those of its publication") {
     // Order of the quantile for gamma .5 and delta .01, from the formula in double precision by
     // hand: pL = .5, pH = .995.
     const Quest quest({});
@@ -143,7 +143,7 @@ TEST_CASE("QUEST's quirks are those of its publication", "[quest]") {
     CHECK(bounded.next()[0] == 1.0);
 }
 
-TEST_CASE("a QUEST that makes no sense is refused with the remedy", "[quest]") {
+TEST_CASE("a QUEST that makes no sense is refused with the remedy") {
     CHECK_THROWS_WITH(Quest({.sd = 0.0}), Has("sd is 0: give"));
     CHECK_THROWS_WITH(Quest({.p_threshold = 0.4}), Has("p_threshold is 0.4: give"));
     CHECK_THROWS_WITH(Quest({.grain = 1e-9}), Has("larger grain"));
@@ -185,13 +185,12 @@ std::vector<double> mode_after(QuestPlus quest, const std::string& name) {
 
 // The program itself runs his threshold, and his threshold, slope and lapse, in which two stimuli
 // tie with others (procedure_command_test.cpp).
-TEST_CASE("QUEST+ runs Watson's threshold and slope stimulus by stimulus", "[quest_plus][golden]") {
+TEST_CASE("QUEST+ runs Watson's threshold and slope stimulus by stimulus") {
     CHECK(mode_after(QuestPlus(watson({2, 3, 4, 5}, {0.02})), "slope") ==
           std::vector<double>{-20.0, 3, 0.5, 0.02});
 }
 
-TEST_CASE("QUEST+ runs Watson's mean, deviation and lapse stimulus by stimulus",
-          "[quest_plus][golden]") {
+TEST_CASE("QUEST+ runs Watson's mean, deviation and lapse stimulus by stimulus") {
     const QuestPlus quest(
         {.model = psychometric_model(Family::normal, LapseForm::two_sided, SlopeAs::sd),
          .stimuli = Grid({{"stimulus", range(-10, 10, 1)}}),
@@ -202,8 +201,7 @@ TEST_CASE("QUEST+ runs Watson's mean, deviation and lapse stimulus by stimulus",
     CHECK(mode_after(quest, "normal") == std::vector<double>{0.0, 4, 0.01});
 }
 
-TEST_CASE("QUEST+ runs Watson's contrast sensitivity in two stimulus dimensions",
-          "[quest_plus][golden]") {
+TEST_CASE("QUEST+ runs Watson's contrast sensitivity in two stimulus dimensions") {
     OutcomeModel csf{
         .stimulus = {"contrast", "frequency"}, .parameters = {"least", "c0", "cf"}, .outcomes = 2};
     csf.chances = [](std::span<const double> x, std::span<const double> s, std::span<double> p) {

@@ -7,8 +7,8 @@
 using namespace palpate::protocols;
 using engine::Trip;
 
-TEST_CASE("a handle that jumps while nothing is felt is a fault before the next trial, and proved",
-          "[session][trust][fault][law]") {
+TEST_CASE(
+    "a handle that jumps while nothing is felt is a fault before the next trial, and proved") {
     // At a question, in a break or at Ready: whoever asks last.
     class Jumping : public ChangingRig {
     public:
@@ -63,8 +63,7 @@ TEST_CASE("a handle that jumps while nothing is felt is a fault before the next 
     CHECK(kept.count_of_key["rig check"] >= rig.jumps);  // begin() looks that it was before force
 }
 
-TEST_CASE("whether it is the session's device is asked wherever one began anew or went away",
-          "[session][trust][law]") {
+TEST_CASE("whether it is the session's device is asked wherever one began anew or went away") {
     class Replugged : public engine::Device {
     public:
         explicit Replugged(std::size_t& times) : times_(times) {}

@@ -115,8 +115,7 @@ std::vector<std::pair<std::size_t, Outcome>> unbroken(World world) {
 
 TEST_CASE(
     "whatever faults, each position is answered once, and faulted ones come again later in their "
-    "part",
-    "[session][fault][law]") {
+    "part") {
     SEED(std::uint64_t{40});
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
     Patient observer;
@@ -159,8 +158,7 @@ TEST_CASE(
     CHECK(observer.in_range);
 }
 
-TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
-          "[session][fault][law]") {
+TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one") {
     SEED(std::uint64_t{40});
     World world{.seed = seed, .fault_share = 0.3};
     const auto expected = unbroken(world);
@@ -185,8 +183,8 @@ TEST_CASE("killed at any moment, any number of times, a session goes on as the u
     CHECK(felt(ledger) == expected);
 }
 
-TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks, and is no answer",
-          "[session][fault]") {
+TEST_CASE(
+    "a fault reaches the recorder with cause, sentence and the last ticks, and is no answer") {
     World world{.fault_share = 1.0, .max_faults = 1, .away = 2};
     Patient observer;
     Ledger ledger;
@@ -216,8 +214,7 @@ TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks,
     CHECK(ledger.count("gave up") == 0);
 }
 
-TEST_CASE("the device is asked at once, then at every tenth question, until it is back",
-          "[session][fault]") {
+TEST_CASE("the device is asked at once, then at every tenth question, until it is back") {
     World world{.fault_share = 1.0, .max_faults = 1, .away = 3};
     Patient observer;
     Ledger ledger;
@@ -234,8 +231,7 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
           TroubleView{.sentence = "the device works again", .solved = true, .tries = 3});
 }
 
-TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row",
-          "[session][fault]") {
+TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row") {
     class Headless : public Patient {
     public:
         std::optional<Signal> trouble(const TroubleView& view) override {
@@ -269,8 +265,7 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
     }
 }
 
-TEST_CASE("no session goes on before the device works, however often it is asked to",
-          "[session][fault][law]") {
+TEST_CASE("no session goes on before the device works, however often it is asked to") {
     class Hasty : public Patient {
     public:
         std::optional<Signal> trouble(const TroubleView& view) override {
@@ -285,7 +280,7 @@ TEST_CASE("no session goes on before the device works, however often it is asked
     CHECK(world.asked == 6 * ledger.count("fault"));
 }
 
-TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][fault]") {
+TEST_CASE("a stop or a signal ends a session in trouble as aborted") {
     World world{.fault_share = 1.0, .away = 5};
     Stopping observer;
     Ledger ledger;
@@ -309,8 +304,8 @@ TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][
 }
 
 TEST_CASE(
-    "a trip before done spoils the trial although it was seen later, one in the ramp out does not",
-    "[session][fault]") {
+    "a trip before done spoils the trial although it was seen later, one in the ramp out does "
+    "not") {
     Plan plan = kShortPlan;
     plan.trials.resize(1);
     Ledger ledger;

@@ -36,7 +36,7 @@ std::map<Condition, std::size_t> counts(const std::vector<Condition>& conditions
 
 }  // namespace
 
-TEST_CASE("a Williams design balances items, places and neighbours", "[williams][law]") {
+TEST_CASE("a Williams design balances items, places and neighbours") {
     EACH(n, range(std::size_t{1}, std::size_t{10}));
     const auto rows = williams_rows(n);
     REQUIRE(rows.size() == (n % 2 == 0 ? n : 2 * n));
@@ -63,7 +63,7 @@ TEST_CASE("a Williams design balances items, places and neighbours", "[williams]
     }
 }
 
-TEST_CASE("a session holds what its design asks for, in order", "[plan][law]") {
+TEST_CASE("a session holds what its design asks for, in order") {
     SEED(std::uint64_t{100});
     const Protocol protocol = planned_study();
     const Plan plan = make_plan(protocol, "hash", {.participant = "p01"}, seed);
@@ -97,8 +97,7 @@ TEST_CASE("a session holds what its design asks for, in order", "[plan][law]") {
     }
 }
 
-TEST_CASE("catch trials are spread over objects and frictions as evenly as their number allows",
-          "[plan][law]") {
+TEST_CASE("catch trials are spread over objects and frictions as evenly as their number allows") {
     Protocol protocol = planned_study();
     const std::size_t catches = GENERATE(range(std::size_t{0}, std::size_t{17}));
     protocol.design.repetitions = 1;
@@ -123,7 +122,7 @@ TEST_CASE("catch trials are spread over objects and frictions as evenly as their
     CHECK(first_objects.size() == (catches == 0 ? 0 : 2));
 }
 
-TEST_CASE("catch trials come at every place but the first", "[plan]") {
+TEST_CASE("catch trials come at every place but the first") {
     Protocol protocol = planned_study();
     protocol.design = {.repetitions = 1,
                        .max_run_object = 0,
@@ -144,7 +143,7 @@ TEST_CASE("catch trials come at every place but the first", "[plan]") {
     }
 }
 
-TEST_CASE("without practice and breaks no trial has a break before it", "[plan]") {
+TEST_CASE("without practice and breaks no trial has a break before it") {
     Protocol protocol = planned_study();
     protocol.design.practice_repetitions = 0;
     protocol.design.break_every = 0;
@@ -153,7 +152,7 @@ TEST_CASE("without practice and breaks no trial has a break before it", "[plan]"
     }
 }
 
-TEST_CASE("the same key gives the same plan, and another key another one", "[plan][law]") {
+TEST_CASE("the same key gives the same plan, and another key another one") {
     const Protocol protocol = planned_study();
     const Plan plan = make_plan(protocol, "hash", {.participant = "p01", .session = 1}, 3);
     CHECK(plan == make_plan(protocol, "hash", {.participant = "p01", .session = 1}, 3));
@@ -167,7 +166,7 @@ TEST_CASE("the same key gives the same plan, and another key another one", "[pla
     }
 }
 
-TEST_CASE("asking for other practice or catch trials leaves the main order alone", "[plan]") {
+TEST_CASE("asking for other practice or catch trials leaves the main order alone") {
     Protocol protocol = planned_study();
     const auto main = of_phase(make_plan(protocol, "hash", {.participant = "p"}, 3), Phase::main);
     protocol.design.practice_repetitions = 3;
@@ -175,7 +174,7 @@ TEST_CASE("asking for other practice or catch trials leaves the main order alone
     CHECK(of_phase(make_plan(protocol, "hash", {.participant = "p"}, 3), Phase::main) == main);
 }
 
-TEST_CASE("pictures keep their places in all sessions of a participant", "[plan][law]") {
+TEST_CASE("pictures keep their places in all sessions of a participant") {
     Protocol protocol = planned_study();
     protocol.design.repetitions = 1;
     std::set<std::vector<std::size_t>> orders;
@@ -193,19 +192,19 @@ TEST_CASE("pictures keep their places in all sessions of a participant", "[plan]
     CHECK(orders.size() == 10);  // every row of the design for five items
 }
 
-TEST_CASE("the code for the lab book begins the plan's hash", "[plan]") {
+TEST_CASE("the code for the lab book begins the plan's hash") {
     const Plan plan = make_plan(planned_study(), "hash", {.participant = "p"}, 3);
     CHECK(plan.hash.size() == 64);
     CHECK(session_code(plan) == std::string(plan.hash, 0, 4).append("-").append(plan.hash, 4, 4));
 }
 
 // The code of the first plan ever made, kept: an order that changes is another experiment.
-TEST_CASE("the plan of a key never changes between versions", "[plan][golden]") {
+TEST_CASE("the plan of a key never changes between versions") {
     CHECK(session_code(make_plan(planned_study(), "hash", {.participant = "p01"}, 42)) ==
           "5c32-1697");
 }
 
-TEST_CASE("nothing to run is refused", "[plan]") {
+TEST_CASE("nothing to run is refused") {
     Protocol protocol = planned_study();
     protocol.design.repetitions = 0;
     CHECK_THROWS_AS(make_plan(protocol, "hash", {}, 1), std::invalid_argument);

@@ -44,7 +44,7 @@ std::size_t answer(SimulatedObserver& who,
 
 }  // namespace
 
-TEST_CASE("without noise every object is named right, frictionless or not", "[observer]") {
+TEST_CASE("without noise every object is named right, frictionless or not") {
     const double mu = GENERATE(0.0, 0.5);
     const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who = observer(protocol);
@@ -54,7 +54,7 @@ TEST_CASE("without noise every object is named right, frictionless or not", "[ob
     }
 }
 
-TEST_CASE("symmetric strokes with friction leave the percept unbiased", "[observer][law]") {
+TEST_CASE("symmetric strokes with friction leave the percept unbiased") {
     const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who = observer(protocol);
     for (const double curvature : kCurvatures) {
@@ -66,7 +66,7 @@ TEST_CASE("symmetric strokes with friction leave the percept unbiased", "[observ
     }
 }
 
-TEST_CASE("a friction bias shifts the percept by its size times the coefficient", "[observer]") {
+TEST_CASE("a friction bias shifts the percept by its size times the coefficient") {
     Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver plain = observer(protocol);
     protocol.observer.bias_per_mu = 4.0;
@@ -77,8 +77,7 @@ TEST_CASE("a friction bias shifts the percept by its size times the coefficient"
     CHECK(*biased.percept() - *plain.percept() == Approx(2.0));
 }
 
-TEST_CASE("lapses are spread over all pictures, and so are answers after nothing felt",
-          "[observer]") {
+TEST_CASE("lapses are spread over all pictures, and so are answers after nothing felt") {
     const bool felt = GENERATE(true, false);
     const Protocol protocol = observed_study(0.0, felt ? 1.0 : 0.0);
     SimulatedObserver who = observer(protocol);
@@ -93,8 +92,7 @@ TEST_CASE("lapses are spread over all pictures, and so are answers after nothing
     }
 }
 
-TEST_CASE("an answer depends on the key and the trial's number, not on what came before",
-          "[observer][law]") {
+TEST_CASE("an answer depends on the key and the trial's number, not on what came before") {
     const Protocol protocol = observed_study(2.62, 0.02);
     const auto ticks = strokes({.curvature = 5.0});
     SimulatedObserver unbroken = observer(protocol);
@@ -121,7 +119,7 @@ TEST_CASE("an answer depends on the key and the trial's number, not on what came
     CHECK(differs == 11);
 }
 
-TEST_CASE("nobody answers before the guard time, nor after the time-out", "[observer][law]") {
+TEST_CASE("nobody answers before the guard time, nor after the time-out") {
     Protocol protocol = observed_study(2.62, 0.02);
     protocol.timing.guard = 1.0;
     SimulatedObserver who = observer(protocol);
@@ -142,7 +140,7 @@ TEST_CASE("nobody answers before the guard time, nor after the time-out", "[obse
     CHECK((late > 40 && late < 360));
 }
 
-TEST_CASE("the observer is done when its hand is, not before the minimum", "[observer]") {
+TEST_CASE("the observer is done when its hand is, not before the minimum") {
     bool hand_is_done = false;
     const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who(protocol, {}, kOrder, [&] { return hand_is_done; });
@@ -153,7 +151,7 @@ TEST_CASE("the observer is done when its hand is, not before the minimum", "[obs
     CHECK(who.explore(trial(1), 2.5).at_s == 2.5);
 }
 
-TEST_CASE("reaction times are those of people", "[observer]") {
+TEST_CASE("reaction times are those of people") {
     const Protocol protocol = observed_study(2.62, 0.0);
     SimulatedObserver who = observer(protocol);
     double sum = 0.0;
@@ -165,7 +163,7 @@ TEST_CASE("reaction times are those of people", "[observer]") {
     CHECK(sum / 2000.0 == Approx(1.5).margin(0.07));  // 0.8 + 0.7; standard error 0.016
 }
 
-TEST_CASE("normal and exponential draws have their moments", "[observer][law]") {
+TEST_CASE("normal and exponential draws have their moments") {
     Pcg32 random(3, 4);
     constexpr int kDraws = 200000;
     double sum = 0.0, squares = 0.0, fourth = 0.0, within = 0.0, waits = 0.0;
@@ -189,7 +187,7 @@ TEST_CASE("normal and exponential draws have their moments", "[observer][law]") 
 // Near value: a script in another language, with libm's logarithm. Exact value: this code's own,
 // the same from debug and optimised builds; it must never change, or recorded simulations could not
 // be repeated.
-TEST_CASE("draws are the same to the last bit in every build", "[observer][golden]") {
+TEST_CASE("draws are the same to the last bit in every build") {
     Pcg32 random(42, 54);
     double sum = 0.0;
     for (int i = 0; i < 1000; ++i) {

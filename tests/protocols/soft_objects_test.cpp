@@ -36,8 +36,7 @@ std::vector<engine::TickRecord> press(const engine::Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("a compliance is read in mm/N, written again, and felt by its scene alone",
-          "[soft][file]") {
+TEST_CASE("a compliance is read in mm/N, written again, and felt by its scene alone") {
     const Protocol protocol = parse_protocol(softness_study(), "p.toml");
     REQUIRE(protocol.objects.size() == 1);
     CHECK(protocol.objects[0].compliance == Approx(1e-3).epsilon(1e-15));
@@ -52,8 +51,7 @@ TEST_CASE("a compliance is read in mm/N, written again, and felt by its scene al
     CHECK(silhouette_of(rigid, 0) == silhouette_of(protocol, 0));  // pictures show the rest
 }
 
-TEST_CASE("what a soft object cannot have is refused where it stands, with a remedy",
-          "[soft][file]") {
+TEST_CASE("what a soft object cannot have is refused where it stands, with a remedy") {
     CHECK(said("compliance_mm_per_n = 1 ", "compliance_mm_per_n = 0.2 ") == "accepted");
     for (const auto& row : test_rows("soft_problems.tsv")) {
         CAPTURE(row);
@@ -61,8 +59,7 @@ TEST_CASE("what a soft object cannot have is refused where it stands, with a rem
     }
 }
 
-TEST_CASE("a rule that varies the compliance feels what it chose, and the softer one is right",
-          "[soft][adaptive]") {
+TEST_CASE("a rule that varies the compliance feels what it chose, and the softer one is right") {
     const Protocol protocol = parse_protocol(softness_study(), "p.toml");
     for (const std::size_t interval : {std::size_t{1}, std::size_t{2}}) {
         for (const double stimulus : {-0.6, -0.05, 0.0, 0.3}) {
@@ -82,8 +79,7 @@ TEST_CASE("a rule that varies the compliance feels what it chose, and the softer
     }
 }
 
-TEST_CASE("a hand finds the contact's spring and the surface's compliance in series",
-          "[soft][law]") {
+TEST_CASE("a hand finds the contact's spring and the surface's compliance in series") {
     Protocol protocol = parse_protocol(softness_study(), "p.toml");
     double before = 0.0;
     for (const double c : {0.0, 2e-4, 1e-3, 4e-3}) {
@@ -100,8 +96,8 @@ TEST_CASE("a hand finds the contact's spring and the surface's compliance in ser
     }
 }
 
-TEST_CASE("an episode is one coming into contact, and those of a soft object give no more together",
-          "[soft][law]") {
+TEST_CASE(
+    "an episode is one coming into contact, and those of a soft object give no more together") {
     const Protocol protocol = parse_protocol(softness_study(), "p.toml");
     const engine::Scene scene = make_scene(protocol, Condition{});
     const engine::Frame at = engine::frame_at(scene.outline().spans()[0], 0.5);

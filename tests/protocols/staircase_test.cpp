@@ -50,7 +50,7 @@ double mean_level(StaircaseSpec spec, std::uint64_t seed) {
 // The answers and levels of these two are tabulated in PsychoPy's test of its StairHandler: a
 // 1-up-3-down staircase that moves by single answers until its first reversal. The answers: four
 // right, four wrong, and again.
-TEST_CASE("a staircase of linear steps runs a published sequence", "[staircase][golden]") {
+TEST_CASE("a staircase of linear steps runs a published sequence") {
     Staircase staircase({.start = 0.8,
                          .down = 3,
                          .steps_up = {0.1, 0.01, 0.001},
@@ -68,8 +68,7 @@ TEST_CASE("a staircase of linear steps runs a published sequence", "[staircase][
     CHECK(staircase.finished());
 }
 
-TEST_CASE("staircases of decibels and of logarithms run a published sequence",
-          "[staircase][golden]") {
+TEST_CASE("staircases of decibels and of logarithms run a published sequence") {
     const bool decibels = GENERATE(true, false);
     StaircaseSpec spec{.start = 0.8,
                        .down = 3,
@@ -94,7 +93,7 @@ TEST_CASE("staircases of decibels and of logarithms run a published sequence",
          0.729608671, 0.738057142, 0.746603441, 0.746603441, 0.746603441, 0.738057142});
 }
 
-TEST_CASE("a one-up-one-down staircase runs a published sequence", "[staircase][golden]") {
+TEST_CASE("a one-up-one-down staircase runs a published sequence") {
     Staircase staircase({.start = 0.8,
                          .down = 1,
                          .steps_up = {0.1},
@@ -108,7 +107,7 @@ TEST_CASE("a one-up-one-down staircase runs a published sequence", "[staircase][
     CHECK(staircase.estimate().mean.value() == Approx((0.5 + 0.6 + 0.4 + 0.5) / 4.0));
 }
 
-TEST_CASE("the targets are Levitt's and Kaernbach's", "[staircase]") {
+TEST_CASE("the targets are Levitt's and Kaernbach's") {
     // Levitt 1971, table I: .500, .707, .794, .841.
     constexpr std::array kLevitt{0.5, 0.707, 0.794, 0.841};
     for (std::size_t down = 1; down <= 4; ++down) {
@@ -125,8 +124,7 @@ TEST_CASE("the targets are Levitt's and Kaernbach's", "[staircase]") {
     CHECK(std::isnan(target({.up = 2})));
 }
 
-TEST_CASE("a staircase settles at its target on a simulated logistic observer",
-          "[staircase][law]") {
+TEST_CASE("a staircase settles at its target on a simulated logistic observer") {
     // The small step keeps the curvature of the function out; 6,000 trials leave a spread of about
     // .05 on the axis, where a wrong rule would be off by .5 or more.
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
@@ -145,7 +143,7 @@ TEST_CASE("a staircase settles at its target on a simulated logistic observer",
     }
 }
 
-TEST_CASE("a staircase never leaves its bounds, and ends by reversals", "[staircase][law]") {
+TEST_CASE("a staircase never leaves its bounds, and ends by reversals") {
     SEEDED(random, std::uint64_t{200});
     StaircaseSpec spec{.start = random.in(1.0, 3.0),
                        .up = static_cast<std::size_t>(1 + random.below(3)),
@@ -169,8 +167,7 @@ TEST_CASE("a staircase never leaves its bounds, and ends by reversals", "[stairc
     CHECK(staircase.estimate().mean.value() <= 4.0);
 }
 
-TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps",
-          "[staircase][law]") {
+TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps") {
     // From a bound on the way, too, and of linear ones from another track's start.
     SEEDED(random, std::uint64_t{200});
     const auto scale = static_cast<StepScale>(random.below(3));
@@ -205,7 +202,7 @@ TEST_CASE("ways up and down meet at one level, to the bit, whatever their steps"
     CHECK(met.size() > 8);
 }
 
-TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][law]") {
+TEST_CASE("interleaving is fair and each track goes its own way") {
     std::vector<StaircaseSpec> specs;
     for (int i = 0; i < 3; ++i) {
         specs.push_back({.name = std::string(1, static_cast<char>('a' + i)),
@@ -241,7 +238,7 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
     CHECK_THROWS_WITH(run.update(run.next(), 1), Has("every staircase has ended"));
 }
 
-TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]") {
+TEST_CASE("constant stimuli are balanced, in all orders alike") {
     const std::vector<double> values{1.0, 2.0, 3.0};
     std::map<std::vector<double>, int> orders;
     constexpr int kRuns = 6000;
@@ -274,7 +271,7 @@ TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]
     }
 }
 
-TEST_CASE("a staircase that makes no sense is refused with the remedy", "[staircase]") {
+TEST_CASE("a staircase that makes no sense is refused with the remedy") {
     CHECK_THROWS_WITH(Staircase({.start = 1}),
                       Has("give trials, or, outside of a protocol, reversals"));
     CHECK_THROWS_WITH(Staircase({.start = 1, .steps_up = {}, .trials = 5}),
@@ -291,7 +288,7 @@ TEST_CASE("a staircase that makes no sense is refused with the remedy", "[stairc
     CHECK_THROWS_WITH(db.update(std::vector<double>{1.0}, 2), Has("give 0 or 1"));
 }
 
-TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[procedure][law]") {
+TEST_CASE("staircases and constant stimuli are rebuilt from their responses") {
     SEEDED(random, std::uint64_t{40});
     const ProcedureSpec spec =
         seed % 2 == 0
@@ -316,8 +313,7 @@ TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[
     }
 }
 
-TEST_CASE("answers that are left out later move no other to another staircase",
-          "[staircase][procedure][law]") {
+TEST_CASE("answers that are left out later move no other to another staircase") {
     SEEDED(random, std::uint64_t{100});
     std::vector<StaircaseSpec> specs;
     for (const char* name : {"far", "near", "other"}) {
@@ -357,7 +353,7 @@ TEST_CASE("answers that are left out later move no other to another staircase",
                       Has("there is no staircase farther"));
 }
 
-TEST_CASE("a constant stimulus whose answer is left out comes again", "[constant][law]") {
+TEST_CASE("a constant stimulus whose answer is left out comes again") {
     SEEDED(random, std::uint64_t{100});
     const ConstantStimuliSpec spec{
         .values = {1.0, 2.0, 2.0, 3.0, 4.0}, .repetitions = 4, .in_blocks = random.coin()};

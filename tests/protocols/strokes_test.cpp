@@ -8,6 +8,7 @@
 
 using engine::Mode;
 using engine::TickRecord;
+using engine::Vec2;
 using namespace palpate::protocols;
 
 namespace {
@@ -44,10 +45,59 @@ TickRecord tick_on(std::int64_t k, std::int16_t segment, double u) {
     return tick;
 }
 
+/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls
+/// it back.
+TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
+    const Vec2 t{std::cos(angle), std::sin(angle)};
+    const Vec2 n{-t.y, t.x};
+    TickRecord tick;
+    tick.tick = k;
+    tick.time_ns = k * 1'000'000;
+    tick.hip = engine::Vec3(place * t - 0.001 * n, 0.0);
+    tick.normal_force = 1.0;
+    tick.tangential_force = pull;
+    tick.force = engine::Vec3(n + pull * t, 0.0);
+    tick.mode = engine::Mode::slip;
+    return tick;
+}
+
+/// Half a period each way: every one is a stroke of 2 * amplitude.
+std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle, double tremor) {
+    StrokeCounter counter;
+    constexpr int kTicks = 500;  // a half period
+    for (int k = 0; k <= half_periods * kTicks; ++k) {
+        const double phase = std::numbers::pi * k / kTicks;
+        const double shake = tremor * std::sin(2.0 * std::numbers::pi * 0.009 * k);
+        counter.add(tick_at(k, -amplitude * std::cos(phase) + shake, angle, 0.4));
+    }
+    return counter.strokes();
+}
+
+/// A second of a hand in and out of contact, in no order.
+protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
+    const engine::Scene scene = felt_scene(0.0);
+    protocols::TrialMeter meter(1000.0, scene);
+    for (int k = 0; k < 1000; ++k) {
+        TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
+        tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
+        tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
+        tick.flags = static_cast<std::uint8_t>(touches ? random.below(256) : 0);  // no episode
+        tick.normal_force = random.in(0.0, 8.0);
+        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
+        meter.add(std::span(&tick, 1));
+    }
+    return meter.summary();
+}
+
+double number(const protocols::Measure::Value& value) {
+    return std::holds_alternative<double>(value)
+             ? std::get<double>(value)
+             : static_cast<double>(std::get<std::int64_t>(value));
+}
+
 }  // namespace
 
-TEST_CASE("coverage is the share of both arcs that the god-object went along",
-          "[exploration][law]") {
+TEST_CASE("coverage is the share of both arcs that the god-object went along") {
     SEED(40);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const double curvature = seed == 0 ? 0.0 : random.in(-20.0, 20.0);
@@ -77,8 +127,7 @@ TEST_CASE("coverage is the share of both arcs that the god-object went along",
     }
 }
 
-TEST_CASE("a hand that has been everywhere covers all, and one in the air nothing",
-          "[exploration][law]") {
+TEST_CASE("a hand that has been everywhere covers all, and one in the air nothing") {
     const auto outline = stimuli::make_outline({.curvature = GENERATE(-10.0, 0.0, 5.0)});
     OutlineCover cover(*outline);
     TickRecord free = tick_on(0, 0, 0.5);
@@ -91,7 +140,7 @@ TEST_CASE("a hand that has been everywhere covers all, and one in the air nothin
     CHECK(cover.share() == Approx(1.0).epsilon(1e-12));
 }
 
-TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
+TEST_CASE("deciles are the nearest ranks") {
     tests::Random random(static_cast<std::uint64_t>(GENERATE(range(0, 100))));
     std::vector<double> values(random.index(60));
     for (double& value : values) {
@@ -118,7 +167,7 @@ TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
     }
 }
 
-TEST_CASE("speeds are those of contact, stops and new slips are counted", "[exploration][law]") {
+TEST_CASE("speeds are those of contact, stops and new slips are counted") {
     SEED(30);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const engine::Scene scene = felt_scene(5.0);
@@ -159,8 +208,7 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted", "[expl
     CHECK(meter.normal_force().p90 == 2.0 * slow);
 }
 
-TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing",
-          "[exploration]") {
+TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing") {
     const engine::Scene scene = felt_scene(5.0);
     const ExplorationMeter meter(scene);
     CHECK(meter.speed().p90 == 0.0);
@@ -168,43 +216,7 @@ TEST_CASE("a hand that was never in contact has no speed, no force and covers no
     CHECK(meter.covered_share() == 0.0);
 }
 
-using engine::TickRecord;
-using engine::Vec2;
-
-namespace {
-
-/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls
-/// it back.
-TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
-    const Vec2 t{std::cos(angle), std::sin(angle)};
-    const Vec2 n{-t.y, t.x};
-    TickRecord tick;
-    tick.tick = k;
-    tick.time_ns = k * 1'000'000;
-    tick.hip = engine::Vec3(place * t - 0.001 * n, 0.0);
-    tick.normal_force = 1.0;
-    tick.tangential_force = pull;
-    tick.force = engine::Vec3(n + pull * t, 0.0);
-    tick.mode = engine::Mode::slip;
-    return tick;
-}
-
-/// Half a period each way: every one is a stroke of 2 * amplitude.
-std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle, double tremor) {
-    StrokeCounter counter;
-    constexpr int kTicks = 500;  // a half period
-    for (int k = 0; k <= half_periods * kTicks; ++k) {
-        const double phase = std::numbers::pi * k / kTicks;
-        const double shake = tremor * std::sin(2.0 * std::numbers::pi * 0.009 * k);
-        counter.add(tick_at(k, -amplitude * std::cos(phase) + shake, angle, 0.4));
-    }
-    return counter.strokes();
-}
-
-}  // namespace
-
-TEST_CASE("every sweep along the surface is one stroke, however the surface lies",
-          "[strokes][law]") {
+TEST_CASE("every sweep along the surface is one stroke, however the surface lies") {
     SEEDED(random, 60U);
     const int sweeps = 1 + random.below(12);
     const double amplitude = random.in(0.004, 0.05);
@@ -215,7 +227,7 @@ TEST_CASE("every sweep along the surface is one stroke, however the surface lies
     CHECK(strokes_of_sweeps(sweeps, 0.0024, angle, 0.0) == 0);  // 4.8 mm are none
 }
 
-TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][law]") {
+TEST_CASE("a bounce does not end a stroke, lifting the hand does") {
     EACH(off, 1, 50, 99, 100, 250);
     StrokeCounter counter;
     std::int64_t k = 0;
@@ -237,7 +249,7 @@ TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][la
     CHECK(counter.strokes() == (off + 1 > 100 ? 2 : 1));
 }
 
-TEST_CASE("the meter says speed in contact and time on each side of the vertex", "[strokes]") {
+TEST_CASE("the meter says speed in contact and time on each side of the vertex") {
     const engine::Scene scene = felt_scene(0.0);
     protocols::TrialMeter meter(1000.0, scene);
     std::vector<TickRecord> ticks;
@@ -259,34 +271,7 @@ TEST_CASE("the meter says speed in contact and time on each side of the vertex",
     CHECK(sum.reversals == 0);
 }
 
-namespace {
-
-/// A second of a hand in and out of contact, in no order.
-protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
-    const engine::Scene scene = felt_scene(0.0);
-    protocols::TrialMeter meter(1000.0, scene);
-    for (int k = 0; k < 1000; ++k) {
-        TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
-        tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
-        tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
-        tick.flags = static_cast<std::uint8_t>(touches ? random.below(256) : 0);  // no episode
-        tick.normal_force = random.in(0.0, 8.0);
-        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
-        meter.add(std::span(&tick, 1));
-    }
-    return meter.summary();
-}
-
-double number(const protocols::Measure::Value& value) {
-    return std::holds_alternative<double>(value)
-             ? std::get<double>(value)
-             : static_cast<double>(std::get<std::int64_t>(value));
-}
-
-}  // namespace
-
-TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains",
-          "[strokes][law]") {
+TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains") {
     EACH(seed, range(0, 30));
     tests::Random random(static_cast<std::uint64_t>(seed));
     const auto a = felt_at_random(random, seed % 3 != 1);

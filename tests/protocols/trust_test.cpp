@@ -12,8 +12,7 @@ Event proof(std::string_view key) {
 
 }  // namespace
 
-TEST_CASE("trust is no more than what was proved since the rig could last have changed",
-          "[session][trust][law]") {
+TEST_CASE("trust is no more than what was proved since the rig could last have changed") {
     // The law, said without the fold: what of place and pulses was proved after the last event that
     // could have changed it.
     SEEDED(random, std::uint64_t{300});
@@ -60,8 +59,7 @@ TEST_CASE("trust is no more than what was proved since the rig could last have c
     }
 }
 
-TEST_CASE("each cause of a fault takes as much trust as it could have changed of the rig",
-          "[session][trust]") {
+TEST_CASE("each cause of a fault takes as much trust as it could have changed of the rig") {
     const RigTrust proved{.state = Trust::proved};
     int kept = 0;
     int place = 0;
@@ -86,8 +84,7 @@ TEST_CASE("each cause of a fault takes as much trust as it could have changed of
     CHECK((apply(proved, {.kind = EventKind::fault, .value = "a new cause"}).state < proved.state));
 }
 
-TEST_CASE("no force is felt on a rig that was not proved since it could have changed",
-          "[session][trust][fault][law]") {
+TEST_CASE("no force is felt on a rig that was not proved since it could have changed") {
     const auto cause = GENERATE(Trip::device_lost, Trip::device_silent, Trip::device_stopped,
                                 Trip::device_garbage, Trip::jump, Trip::runaway);
     const int wrong = GENERATE(0, 1, 3);
@@ -110,8 +107,7 @@ TEST_CASE("no force is felt on a rig that was not proved since it could have cha
 }
 
 TEST_CASE(
-    "a device that began anew is another one, whatever ended the force or stopped the session",
-    "[session][trust][fault][law]") {
+    "a device that began anew is another one, whatever ended the force or stopped the session") {
     // Nothing but that it began anew says so: the cause lies with people, screen or machine.
     const auto cause = GENERATE(Trip::late, Trip::delayed, Trip::screen_silent, Trip::let_go,
                                 Trip::overheated, Trip::focus_lost);
@@ -137,8 +133,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a rig that begins anew while pulses move it is looked at from its place on",
-          "[session][trust][law]") {
+TEST_CASE("a rig that begins anew while pulses move it is looked at from its place on") {
     World world;
     class AnewInPulses : public ChangingRig {
     public:
@@ -164,8 +159,7 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     CHECK(observer.troubles.back().by_hand);
 }
 
-TEST_CASE("what stands against every force is said while it does, and nothing goes on meanwhile",
-          "[session][desk][law]") {
+TEST_CASE("what stands against every force is said while it does, and nothing goes on meanwhile") {
     // A button is pressed before each of the first trials, held for some looks, and let go.
     const int held = GENERATE(1, 7, 40);
     CAPTURE(held);
@@ -211,8 +205,8 @@ TEST_CASE("what stands against every force is said while it does, and nothing go
 }
 
 TEST_CASE(
-    "after a stop no pulse moves the rig before the experimenter goes on, and then before a force",
-    "[session][trust][fault][law]") {
+    "after a stop no pulse moves the rig before the experimenter goes on, and then before a "
+    "force") {
     // It is stopped; or while a fault is mended, and of one that cost nothing the rig is changed
     // then.
     const auto cause = GENERATE(Trip::stopped, Trip::jump, Trip::focus_lost);
@@ -261,15 +255,14 @@ TEST_CASE(
     CHECK(observer.stops >= 2);
 }
 
-TEST_CASE("a long trouble is a break: the rig is proved once it is over", "[session][trust]") {
+TEST_CASE("a long trouble is a break: the rig is proved once it is over") {
     const auto seconds = GENERATE(0.0, 9.0, 11.0, 600.0);
     const RigTrust left =
         apply(RigTrust{.state = Trust::proved}, {.kind = EventKind::go_on, .duration_s = seconds});
     CHECK((left.state == Trust::proved) == (seconds < 10.0));
 }
 
-TEST_CASE("a trip in the ramp out of the first interval lets no second one be felt",
-          "[session][trust][fault][law]") {
+TEST_CASE("a trip in the ramp out of the first interval lets no second one be felt") {
     const Protocol protocol = adaptive_protocol();
     World world;
     class InRamp : public ChangingRig {
@@ -303,8 +296,7 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
 }
 
 TEST_CASE(
-    "a device that goes while somebody is at the start is lost there, and proved before a force",
-    "[session][trust][fault][law]") {
+    "a device that goes while somebody is at the start is lost there, and proved before a force") {
     const std::uint64_t seed = GENERATE(seeds(12U));
     CAPTURE(seed);
     const Protocol protocol = adaptive_protocol();  // of two intervals
@@ -367,8 +359,7 @@ TEST_CASE(
     CHECK(kept.causes[std::string(to_string(Trip::device_silent))] == kept.count[EventKind::fault]);
 }
 
-TEST_CASE("a protocol without breaks has its rig proved anew after thirty attempts",
-          "[session][trust][law]") {
+TEST_CASE("a protocol without breaks has its rig proved anew after thirty attempts") {
     Protocol protocol = short_protocol();
     protocol.design.break_every = 0;
     protocol.design.repetitions = 12;
@@ -385,8 +376,7 @@ TEST_CASE("a protocol without breaks has its rig proved anew after thirty attemp
     CHECK(kept.count_of_key["rig check"] >= expected + 1);
 }
 
-TEST_CASE("pulses that are refused are kept with the attempts begun since they were right",
-          "[session][trust][fault][law]") {
+TEST_CASE("pulses that are refused are kept with the attempts begun since they were right") {
     const bool at_faults = GENERATE(false, true);  // or in breaks
     World world{.seed = 3, .fault_share = at_faults ? 0.3 : 0.0};
     ChangingRig rig(world, 1, Trip::device_lost);  // first its place is refused, then its pulses

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <boost/container/static_vector.hpp>
+
 #include "engine/friction/god_object.hpp"
 #include "engine/geometry/rational_bezier.hpp"
 #include "tests/support/std.hpp"
@@ -11,31 +13,7 @@ namespace palpate::stress {
 using Real = long double;
 
 /// Bernstein coefficients, of a degree that a span's forms may have.
-class Row {
-public:
-    Row() noexcept {}  // NOLINT: what is not counted is not read
-    explicit Row(std::size_t count, Real value = 0.0L) noexcept : count_(count) {
-        std::fill_n(at_.begin(), count, value);
-    }
-    Row(const Row& other) noexcept : count_(other.count_) {
-        std::copy_n(other.at_.begin(), count_, at_.begin());
-    }
-    Row& operator=(const Row& other) noexcept {
-        count_ = other.count_;
-        std::copy_n(other.at_.begin(), count_, at_.begin());
-        return *this;
-    }
-    void push_back(Real value) noexcept { at_[count_++] = value; }
-    [[nodiscard]] std::size_t size() const noexcept { return count_; }
-    [[nodiscard]] Real& operator[](std::size_t i) noexcept { return at_[i]; }
-    [[nodiscard]] const Real& operator[](std::size_t i) const noexcept { return at_[i]; }
-    [[nodiscard]] Real* begin() noexcept { return at_.data(); }
-    [[nodiscard]] Real* end() noexcept { return at_.data() + count_; }
-
-private:
-    std::array<Real, 3 * engine::kMaxDegree + 1> at_;
-    std::size_t count_ = 0;
-};
+using Row = boost::container::static_vector<Real, 3 * engine::kMaxDegree + 1>;
 
 struct Point {
     Real x = 0.0L;

@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "tests/stress/stress_run.hpp"
 
 /// Hours of random hands in minutes: every tick of random contacts held to the laws.
@@ -5,48 +7,28 @@ namespace {
 
 using namespace palpate::stress;
 
-constexpr const char* kUsage =
-    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild|study|cusp|huge]\n"
-    "               [--object outline|surface|patches] [--out DIR]\n"
-    "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
-    "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads if they do not "
-    "cross themselves.\n";
-
 struct Options {
     double seconds = 60.0;
     std::uint64_t seed = 1;
     std::uint64_t scenes = UINT64_MAX;
     std::string out = ".";
-    Mood mood = Mood::wild;
+    std::string mood = "wild";
     std::string object = "outline";
 };
 
-Options options_of(const std::vector<std::string>& words) {
-    Options options;
-    for (std::size_t i = 0; i < words.size(); i += 2) {
-        if (i + 1 == words.size()) {
-            throw std::invalid_argument(words[i] + " needs a value");
-        }
-        const std::string& value = words[i + 1];
-        if (words[i] == "--seconds") {
-            options.seconds = std::stod(value);
-        } else if (words[i] == "--seed") {
-            options.seed = std::stoull(value);
-        } else if (words[i] == "--scenes") {
-            options.scenes = std::stoull(value);
-        } else if (words[i] == "--object" &&
-                   (value == "outline" || value == "surface" || value == "patches")) {
-            options.object = value;
-        } else if (const auto mood = std::find(kMoods.begin(), kMoods.end(), value);
-                   words[i] == "--mood" && mood != kMoods.end()) {
-            options.mood = static_cast<Mood>(mood - kMoods.begin());
-        } else if (words[i] == "--out") {
-            options.out = value;
-        } else {
-            throw std::invalid_argument("there is no option " + words[i]);
-        }
-    }
-    return options;
+void declare(CLI::App& app, Options& options) {
+    app.description(
+        "Random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
+        "A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads if they do "
+        "not cross themselves.");
+    app.add_option("--seconds", options.seconds, "N");
+    app.add_option("--seed", options.seed, "S");
+    app.add_option("--scenes", options.scenes, "so many");
+    app.add_option("--mood", options.mood)
+        ->check(CLI::IsMember(std::vector<std::string>(kMoods.begin(), kMoods.end())));
+    app.add_option("--object", options.object)
+        ->check(CLI::IsMember({"outline", "surface", "patches"}));
+    app.add_option("--out", options.out, "DIR");
 }
 
 /// At most so many reproducers of one law are written.
@@ -92,12 +74,10 @@ void judge(const AnyCase& c,
 
 int main(int count, char** arguments) {
     Options options;
-    try {
-        options = options_of({arguments + 1, arguments + count});
-    } catch (const std::exception& wrong) {
-        fmt::print(stderr, "palpate_stress: {}\n{}", wrong.what(), kUsage);
-        return 2;
-    }
+    CLI::App app;
+    declare(app, options);
+    CLI11_PARSE(app, count, arguments);
+    const auto mood = static_cast<Mood>(std::ranges::find(kMoods, options.mood) - kMoods.begin());
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&start] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -108,14 +88,14 @@ int main(int count, char** arguments) {
          tally.scenes < options.scenes && seconds() < options.seconds; ++seed) {
         ++tally.scenes;
         if (options.object == "surface") {
-            judge(random_surface_case(seed, options.mood), options, tally, broken);
+            judge(random_surface_case(seed, mood), options, tally, broken);
         } else if (options.object == "patches") {
-            if (const auto c = random_patches_case(seed, options.mood)) {
+            if (const auto c = random_patches_case(seed, mood)) {
                 judge(*c, options, tally, broken);
             } else {
                 ++tally.refused_scenes;
             }
-        } else if (const auto c = random_case(seed, options.mood)) {
+        } else if (const auto c = random_case(seed, mood)) {
             judge(*c, options, tally, broken);
         } else {
             ++tally.refused_scenes;

@@ -1,3 +1,4 @@
+#include "tests/stress/any_hand.hpp"
 #include "tests/stress/stress_scene.hpp"
 #include "tests/support/frame.hpp"
 
@@ -7,8 +8,6 @@ namespace {
 using namespace palpate::engine;
 using tests::Random;
 
-constexpr double kFastest = 10.0;  // m/s
-
 engine::Box<2> box_of(const Outline& outline) {
     engine::Box<2> box = outline.spans().front().box();
     for (const auto& span : outline.spans()) {
@@ -17,84 +16,31 @@ engine::Box<2> box_of(const Outline& outline) {
     return box;
 }
 
-class Hand {
+class Hand : public AnyHand<Vec2> {
 public:
     Hand(Random& random, const Outline& outline, const HandSpec& spec)
-        : random_(&random), outline_(&outline), spec_(spec), size_(size_of(outline)) {
-        const engine::Box<2> box = box_of(outline);
-        centre_ = box.middle();
-        at_ = somewhere();
-    }
-
-    std::vector<Vec2> path() {
-        while (path_.size() < spec_.ticks) {
-            const int ticks = 5 + random_->below(100);
-            if (spec_.gentle) {
-                stumble();  // a tick that is refused ends the contact
-            }
-            switch (spec_.leaps ? 2 : random_->below(8)) {
-                case 0:
-                    wander(ticks);
-                    break;
-                case 1:
-                    rest(ticks / 4 + 1);
-                    break;
-                case 2:
-                    jump();
-                    break;
-                case 3:
-                    press(ticks);
-                    break;
-                case 4:
-                    if (spec_.broken && random_->coin()) {
-                        stumble();
-                    }
-                    break;
-                default:
-                    rub(ticks);
-            }
-        }
-        path_.resize(spec_.ticks);
-        return std::move(path_);
-    }
+        : AnyHand(random, box_of(outline).middle(), size_of(outline), spec.period, spec.gentle),
+          outline_(&outline),
+          spec_(spec) {}
 
 private:
-    void go_to(const Vec2& h) {
-        at_ = h;
-        path_.push_back(h);
+    int bout() override {
+        if (spec_.gentle) {
+            stumble();  // a tick that is refused ends the contact
+        }
+        return spec_.leaps ? 2 : AnyHand::bout();
+    }
+    void falter() override {
+        if (spec_.broken && random_->coin()) {
+            stumble();
+        }
     }
 
-    [[nodiscard]] Vec2 somewhere() { return centre_ + size_ * random_->point(-0.7, 0.7); }
     [[nodiscard]] std::size_t any_span() {
         return static_cast<std::size_t>(random_->below(static_cast<int>(outline_->spans().size())));
     }
-    /// A step of one tick, m: some share of the object, 10 m/s at most.
-    [[nodiscard]] double any_step() {
-        return std::min(kFastest * spec_.period,
-                        size_ * random_->decade(-6.0, spec_.gentle ? -2.0 : -0.3));
-    }
 
-    void wander(int ticks) {
-        const double step = any_step();
-        Vec2 speed{};
-        for (int i = 0; i < ticks; ++i) {
-            speed = 0.95 * speed + (0.3 * step) * random_->point(-1.0, 1.0);
-            const Vec2 next = at_ + speed;
-            if (glm::length(next - centre_) > size_) {
-                speed = -0.5 * speed;
-            }
-            go_to(at_ + speed);
-        }
-    }
-
-    void rest(int ticks) {
-        for (int i = 0; i < ticks; ++i) {
-            go_to(at_);
-        }
-    }
-
-    /// Onto a place where something changes, or anywhere.
-    void jump() {
+    void jump() override {
         const auto& spans = outline_->spans();
         const auto& seams = outline_->seams();
         switch (random_->below(6)) {
@@ -132,8 +78,7 @@ private:
         return frame.point - (usable ? radius : random_->in(-0.1, 0.1) * size_) * frame.normal;
     }
 
-    /// Along the outline, at a depth that comes and goes.
-    void rub(int ticks) {
+    void rub(int ticks) override {
         std::size_t span = any_span();
         double u = random_->in(0.0, 1.0);
         double way = random_->coin() ? 1.0 : -1.0;
@@ -162,9 +107,8 @@ private:
         }
     }
 
-    /// Straight from outside at a place of the outline, through it, to its centre of curvature or
-    /// beyond.
-    void press(int ticks) {
+    /// To the outline's centre of curvature, or as deep.
+    void press(int ticks) override {
         const std::size_t span = any_span();
         const double u =
             random_->below(4) == 0 ? (random_->coin() ? 0.0 : 1.0) : random_->in(0.0, 1.0);
@@ -173,13 +117,7 @@ private:
         const Vec2 aim = random_->coin()
                            ? curvature_centre(span, u)
                            : frame.point - (size_ * random_->decade(-4.0, -0.3)) * frame.normal;
-        const Vec2 to = frame.point + random_->in(0.5, 1.5) * (aim - frame.point);
-        const double way = std::max(glm::length(to - from), 1e-300);
-        const double fastest = spec_.gentle ? any_step() : kFastest * spec_.period;
-        const double step = std::min(1.0 / ticks, fastest / way);
-        for (int i = 0; i < ticks; ++i) {
-            go_to(from + (i * step) * (to - from));
-        }
+        press_on(frame.point, from, aim, ticks);
     }
 
     /// A tick that is no number, and perhaps more of them.
@@ -193,13 +131,8 @@ private:
         }
     }
 
-    Random* random_;
     const Outline* outline_;
     HandSpec spec_;
-    double size_;
-    Vec2 centre_{};
-    Vec2 at_{};
-    std::vector<Vec2> path_;
 };
 
 }  // namespace
@@ -209,7 +142,7 @@ double size_of(const Outline& outline) {
 }
 
 std::vector<Vec2> random_path(Random& random, const Outline& outline, const HandSpec& spec) {
-    return Hand(random, outline, spec).path();
+    return Hand(random, outline, spec).path(spec.ticks);
 }
 
 }  // namespace palpate::stress

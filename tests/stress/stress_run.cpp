@@ -33,16 +33,18 @@ double processor_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A tick that began at `start` in `before`, where it seemed slow: without what else the machine
-/// does, the best of a few tries. @return s; 0: it was quick
+/// A tick that began at `start` in `before`: where it seemed slow it is timed again, without what
+/// else the machine does, the best of a few tries. @return s if that is too slow as well
 template <class Scene, class State, class Point>
-double time_again(Clock::time_point start,
-                  const Patience& patience,
-                  const Scene& scene,
-                  const State& before,
-                  const Point& h) {
+std::optional<double> too_slow(Tally& tally,
+                               std::uint64_t seed,
+                               Clock::time_point start,
+                               const Patience& patience,
+                               const Scene& scene,
+                               const State& before,
+                               const Point& h) {
     if (std::chrono::duration<double>(Clock::now() - start).count() <= patience.seems_slow) {
-        return 0.0;
+        return std::nullopt;
     }
     double best = 1.0;
     for (int i = 0; i < patience.tries; ++i) {
@@ -51,14 +53,11 @@ double time_again(Clock::time_point start,
         static_cast<void>(scene.tick(state, h));
         best = std::min(best, processor_seconds() - from);
     }
-    return best;
-}
-
-void note_slowest(Tally& tally, double seconds, std::uint64_t seed) {
-    if (seconds > tally.slowest_s) {
-        tally.slowest_s = seconds;
+    if (best > tally.slowest_s) {
+        tally.slowest_s = best;
         tally.slowest_seed = seed;
     }
+    return best > patience.too_slow ? std::optional(best) : std::nullopt;
 }
 
 bool same_bits(const Contact& a, const Contact& b) {
@@ -126,13 +125,9 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
         const auto start = Clock::now();
         const Contact contact = scene.tick(state, c.path[i]);
         if (watch) {
-            const double best = time_again(start, kPlane, scene, before, c.path[i]);
-            note_slowest(tally, best, c.scene.seed);
-            if (best > kPlane.too_slow) {
-                return Breach{.law = "a tick takes bounded time",
-                              .tick = i,
-                              .value = best,
-                              .limit = kPlane.too_slow};
+            if (const auto s =
+                    too_slow(tally, c.scene.seed, start, kPlane, scene, before, c.path[i])) {
+                return Breach{"a tick takes bounded time", i, *s, kPlane.too_slow};
             }
         }
         ++tally.ticks;
@@ -158,13 +153,10 @@ std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
         const auto start = Clock::now();
         const engine::SurfaceContact contact = scene.tick(state, c.path[i]);
         if (watch) {
-            const double best = time_again(start, kSurface, scene, before, c.path[i]);
-            note_slowest(tally, best, c.seed);
-            if (best > kSurface.too_slow && contact.settled && contact.cp.proven) {
-                return Breach{.law = "a tick takes bounded time, or says that it was ended",
-                              .tick = i,
-                              .value = best,
-                              .limit = kSurface.too_slow};
+            const auto s = too_slow(tally, c.seed, start, kSurface, scene, before, c.path[i]);
+            if (s && contact.settled && contact.cp.proven) {
+                return Breach{"a tick takes bounded time, or says that it was ended", i, *s,
+                              kSurface.too_slow};
             }
         }
         ++tally.ticks;
@@ -193,14 +185,7 @@ std::string scene_text(const Case& c) {
 }
 
 std::string path_text(const Case& c) {
-    std::string text = "t_s,x_m,y_m\n";
-    for (std::size_t i = 0; i < c.path.size(); ++i) {
-        const Vec2& h = c.path[i];
-        if (std::isfinite(h.x) && std::isfinite(h.y)) {
-            text += fmt::format("{},{},{}\n", static_cast<double>(i) * c.scene.period, h.x, h.y);
-        }
-    }
-    return text;
+    return path_text(c.path, c.scene.period);
 }
 
 }  // namespace palpate::stress

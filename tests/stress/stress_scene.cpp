@@ -223,20 +223,25 @@ protocols::SceneFile scene_file_of(const StressScene& scene) {
     return file;
 }
 
+std::string friction_text(std::string_view law, const engine::Friction& friction) {
+    std::string text = fmt::format("law = \"{}\"\n", law);
+    if (law != "frictionless") {
+        text += fmt::format("mu_d = {}\n", friction.mu_d);
+    }
+    if (law == "gos") {
+        text += fmt::format("mu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", friction.mu_s,
+                            friction.tau_slip, friction.tau_heal);
+    }
+    return text;
+}
+
 std::string scene_text(const StressScene& scene) {
     const protocols::SceneFriction& f = scene.friction;
     std::string text =
         fmt::format("# palpate_stress --seed {} --scenes 1\n[renderer]\n", scene.seed);
     text += fmt::format("stiffness_n_per_m = {}\ndamping_n_s_per_m = {}\n\n[friction]\n",
                         scene.renderer.stiffness, scene.renderer.damping);
-    text += fmt::format("law = \"{}\"\n", f.law);
-    if (f.law != "frictionless") {
-        text += fmt::format("mu_d = {}\n", f.set.mu_d);
-    }
-    if (f.law == "gos") {
-        text += fmt::format("mu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.set.mu_s,
-                            f.set.tau_slip, f.set.tau_heal);
-    }
+    text += friction_text(f.law, f.set);
     text += fmt::format("vertex_slew_m_per_s = {}\nvertex_radius_m = {}\n", f.slew.speed,
                         f.slew.radius);
     for (const NurbsData<2>& s : scene.segments) {

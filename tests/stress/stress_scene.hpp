@@ -37,8 +37,24 @@ inline constexpr std::array<const char*, 5> kMoods{"gentle", "wild", "study", "c
 inline constexpr std::array<const char*, 3> kLaws{"frictionless", "gos", "coulomb"};
 [[nodiscard]] engine::Friction random_friction(tests::Random& random, std::string_view law);
 
-/// As `palpate render` reads it, every number with all its digits.
+/// As `palpate render` reads them, every number with all its digits: a scene, what a law of kLaws
+/// has of a friction, and a path, of which what is not finite is left out.
 [[nodiscard]] std::string scene_text(const StressScene& scene);
+[[nodiscard]] std::string friction_text(std::string_view law, const engine::Friction& friction);
+template <class Point>
+[[nodiscard]] std::string path_text(const std::vector<Point>& path, double period) {
+    std::string text = Point::length() == 2 ? "t_s,x_m,y_m\n" : "t_s,x_m,y_m,z_m\n";
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        std::string line = fmt::format("{}", static_cast<double>(i) * period);
+        bool finite = true;
+        for (int k = 0; k < Point::length(); ++k) {
+            line += fmt::format(",{}", path[i][k]);
+            finite = finite && std::isfinite(path[i][k]);
+        }
+        text += finite ? line + '\n' : "";
+    }
+    return text;
+}
 
 /// Turns a closed scene about so that it runs clockwise, as Outline asks.
 void reverse(StressScene& scene);

@@ -2,7 +2,7 @@
 
 using namespace palpate::stress;
 
-TEST_CASE("every tick of random hands in random scenes holds every law", "[stress][law]") {
+TEST_CASE("every tick of random hands in random scenes holds every law") {
     // palpate_stress goes on where this slice ends.
     const auto slice = GENERATE(range(0U, 8U));
     Tally tally;
@@ -18,8 +18,7 @@ TEST_CASE("every tick of random hands in random scenes holds every law", "[stres
 
 TEST_CASE(
     "the god-object finds the first root at cusps, under heavy weights and however far a hand "
-    "leaps",
-    "[stress][law]") {
+    "leaps") {
     const auto mood = GENERATE(Mood::wild, Mood::study, Mood::cusp, Mood::huge);
     CAPTURE(kMoods.at(static_cast<std::size_t>(mood)));
     Tally tally;
@@ -31,8 +30,7 @@ TEST_CASE(
     CHECK(tally.walks > 1000);
 }
 
-TEST_CASE("where doubles do not tell, and where an excess does not fall, the first root is found",
-          "[stress][law]") {
+TEST_CASE("where doubles do not tell, and where an excess does not fall, the first root is found") {
     Tally tally;
     // Broken without the second search in twice the digits (205 to 1178), or where Newton's
     // iteration goes on without a proof (209 to 868).
@@ -43,7 +41,7 @@ TEST_CASE("where doubles do not tell, and where an excess does not fall, the fir
     }
 }
 
-TEST_CASE("scenes in which long runs once found a law broken hold every law", "[stress][law]") {
+TEST_CASE("scenes in which long runs once found a law broken hold every law") {
     struct Found {
         Mood mood;
         std::uint64_t seed;
@@ -66,30 +64,7 @@ TEST_CASE("scenes in which long runs once found a law broken hold every law", "[
     holds(*c, found.seed, tally);
 }
 
-TEST_CASE("every tick of random hands over random surfaces holds every law",
-          "[stress][surface][law]") {
-    Tally tally;
-    for (std::uint64_t seed = 1; seed <= tests::cases(60U); ++seed) {
-        holds(random_surface_case(seed, Mood::gentle), seed, tally);
-    }
-    CHECK(tally.in_contact > tests::cases(2000U));
-}
-
-TEST_CASE("every tick of random hands over surfaces in pieces holds every law",
-          "[stress][surface][law]") {
-    Tally tally;
-    for (const auto mood : {Mood::gentle, Mood::wild}) {
-        for (std::uint64_t seed = 1; seed <= tests::cases(40U); ++seed) {
-            if (const auto c = random_patches_case(seed, mood)) {
-                holds(*c, seed, tally);
-            }
-        }
-    }
-    CHECK(tally.in_contact > tests::cases(5000U));
-}
-
-TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law",
-          "[stress][surface][law]") {
+TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law") {
     // Found by palpate_stress: narrow valleys next to centres of curvature, borders met at a slant,
     // poles, sheets that fold back, lie on themselves or run away, rises before the cone, weights
     // of 1e-3 to 1e3, a flow that passes within a hundredth of the load of what is no foot, an edge
@@ -105,14 +80,18 @@ TEST_CASE("surfaces on which the god-object was once left outside of its cone ho
     }
     // A foot that came to rest only in the tick after; a corner that a pole shares, and a crease of
     // which one side carries, where the god-object went from side to side.
-    for (const std::uint64_t seed : {10180U, 13275U, 20674U}) {
+    // On the last flows part a thousandfold on a ring of 3 m, the hand is 650 m away, and steps that
+    // erred by a share of that ended 4.2e-6 m off.
+    for (const std::uint64_t seed : {10180U, 13275U, 20674U, 1'032'180U}) {
         const auto c = random_patches_case(seed, Mood::wild);
         REQUIRE(c);
+        const std::uint64_t before = tally.walks;
         holds(*c, seed, tally);
+        CHECK((seed != 1'032'180U || tally.walks > before + 50));
     }
 }
 
-TEST_CASE("a scene written for `palpate render` is the scene, to the bit", "[stress]") {
+TEST_CASE("a scene written for `palpate render` is the scene, to the bit") {
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         const auto c = random_case(seed, Mood::wild);
         if (!c) {

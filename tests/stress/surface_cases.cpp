@@ -1,5 +1,6 @@
 #include "tests/stress/surface_cases.hpp"
 
+#include "tests/stress/any_hand.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace palpate::stress {
@@ -7,14 +8,6 @@ namespace {
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-
-constexpr double kQuickest = 10.0;  // m/s
-
-Vec3 point(Random& random, double lo, double hi) {
-    const double x = random.in(lo, hi);
-    const double y = random.in(lo, hi);
-    return Vec3{x, y, random.in(lo, hi)};
-}
 
 /// A profile turned about z: balls, rings, tubes, vases with a point or a hole at either end.
 SurfaceData turned(Random& random) {
@@ -141,56 +134,18 @@ SurfaceData random_data_with_width(Random& random, Mood mood) {
 }
 
 /// The hand over a surface.
-class SpaceHand {
+class SpaceHand : public AnyHand<Vec3> {
 public:
     SpaceHand(Random& random, const SurfaceCase& c, Mood mood)
-        : random_(&random),
-          surface_(c.surface.get()),
-          size_(c.surface->size()),
-          period_(c.spec.period),
-          gentle_(mood == Mood::gentle),
-          at_(somewhere()) {}
-
-    std::vector<Vec3> path(std::size_t ticks) {
-        while (path_.size() < ticks) {
-            const int some = 5 + random_->below(100);
-            switch (random_->below(8)) {
-                case 0:
-                    wander(some);
-                    break;
-                case 1:
-                    rest(some / 4 + 1);
-                    break;
-                case 2:
-                    jump();
-                    break;
-                case 3:
-                    press(some);
-                    break;
-                case 4:
-                    if (!gentle_ && random_->below(4) == 0) {
-                        path_.push_back(
-                            Vec3{std::numeric_limits<double>::quiet_NaN(), at_.y, at_.z});
-                    }
-                    break;
-                default:
-                    rub(some);
-            }
-        }
-        path_.resize(ticks);
-        return std::move(path_);
-    }
+        : AnyHand(
+              random, c.surface->origin(), c.surface->size(), c.spec.period, mood == Mood::gentle),
+          surface_(c.surface.get()) {}
 
 private:
-    void go_to(const Vec3& h) {
-        at_ = h;
-        path_.push_back(h);
-    }
-    [[nodiscard]] Vec3 somewhere() {
-        return surface_->origin() + size_ * point(*random_, -0.7, 0.7);
-    }
-    [[nodiscard]] double any_step() {
-        return std::min(kQuickest * period_, size_ * random_->decade(-6.0, gentle_ ? -2.0 : -0.3));
+    void falter() override {
+        if (!gentle_ && random_->below(4) == 0) {
+            path_.push_back(Vec3{std::numeric_limits<double>::quiet_NaN(), at_.y, at_.z});
+        }
     }
     [[nodiscard]] Vec2 any_place() {
         const auto& u = surface_->knots_u();
@@ -206,23 +161,7 @@ private:
         return surface_->at(place.x, place.y).point - depth * surface_->normal(place.x, place.y);
     }
 
-    void wander(int ticks) {
-        const double step = any_step();
-        Vec3 speed{};
-        for (int i = 0; i < ticks; ++i) {
-            speed = 0.95 * speed + (0.3 * step) * point(*random_, -1.0, 1.0);
-            if (glm::length(at_ + speed - surface_->origin()) > size_) {
-                speed = -0.5 * speed;
-            }
-            go_to(at_ + speed);
-        }
-    }
-    void rest(int ticks) {
-        for (int i = 0; i < ticks; ++i) {
-            go_to(at_);
-        }
-    }
-    void jump() {
+    void jump() override {
         const Vec2 place = any_place();
         switch (random_->below(4)) {
             case 0:
@@ -232,8 +171,8 @@ private:
                 go_to(centre(place));
                 break;
             case 2:
-                go_to(surface_->origin() +
-                      (size_ * random_->decade(0.0, 3.0)) * point(*random_, -1.0, 1.0));
+                go_to(centre_ +
+                      (size_ * random_->decade(0.0, 3.0)) * any_point<Vec3>(*random_, -1.0, 1.0));
                 break;
             default:
                 go_to(somewhere());
@@ -246,23 +185,15 @@ private:
         const bool usable = std::isfinite(radius) && std::fabs(radius) < 1e3 * size_;
         return below(place, usable ? radius : random_->in(-0.1, 0.1) * size_);
     }
-    /// Through the surface, towards a centre of curvature or beyond.
-    void press(int ticks) {
+    void press(int ticks) override {
         const Vec2 place = any_place();
         const Vec3 on = below(place, 0.0);
         const Vec3 from = below(place, -size_ * random_->decade(-4.0, -0.5));
         const Vec3 aim =
             random_->coin() ? centre(place) : below(place, size_ * random_->decade(-4.0, -0.3));
-        const Vec3 to = on + random_->in(0.5, 1.5) * (aim - on);
-        const double way = std::max(glm::length(to - from), 1e-300);
-        const double step =
-            std::min(1.0 / ticks, (gentle_ ? any_step() : kQuickest * period_) / way);
-        for (int i = 0; i < ticks; ++i) {
-            go_to(from + (i * step) * (to - from));
-        }
+        press_on(on, from, aim, ticks);
     }
-    /// Along the surface at a depth that comes and goes.
-    void rub(int ticks) {
+    void rub(int ticks) override {
         Vec2 place = any_place();
         const double angle = random_->in(0.0, 2.0 * std::numbers::pi);
         Vec2 way{std::cos(angle), std::sin(angle)};
@@ -290,13 +221,7 @@ private:
         }
     }
 
-    Random* random_;
     const engine::NurbsSurface* surface_;
-    double size_;
-    double period_;
-    bool gentle_;
-    Vec3 at_;
-    std::vector<Vec3> path_;
 };
 
 std::string surface_text(const SurfaceData& d) {
@@ -328,8 +253,9 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
                   .surface = {},
                   .path = {}};
     const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
-    const Vec3 away =
-        random.below(6) == 0 ? random.decade(0.0, 2.0) * point(random, -1.0, 1.0) : Vec3{};
+    const Vec3 away = random.below(6) == 0
+                        ? random.decade(0.0, 2.0) * any_point<Vec3>(random, -1.0, 1.0)
+                        : Vec3{};
     for (auto& row : c.data.points) {
         for (Vec3& p : row) {
             p = size * (p + away);
@@ -345,18 +271,10 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
 }
 
 std::string scene_text(const SurfaceCase& c) {
-    const engine::Friction& f = c.spec.friction;
-    std::string text =
-        fmt::format("# palpate_stress --object surface --seed {}\n[renderer]\n", c.seed);
-    text +=
-        fmt::format("stiffness_n_per_m = {}\n[friction]\nlaw = \"{}\"\n", c.spec.stiffness, c.law);
-    if (c.law != "frictionless") {
-        text += fmt::format("mu_d = {}\n", f.mu_d);
-    }
-    if (c.law == "gos") {
-        text += fmt::format("mu_s = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.mu_s, f.tau_slip,
-                            f.tau_heal);
-    }
+    std::string text = fmt::format(
+        "# palpate_stress --object surface --seed {}\n[renderer]\nstiffness_n_per_m = {}\n"
+        "[friction]\n{}",
+        c.seed, c.spec.stiffness, friction_text(c.law, c.spec.friction));
     for (const SurfaceData& d : c.pieces) {
         text += surface_text(d);
     }
@@ -364,15 +282,7 @@ std::string scene_text(const SurfaceCase& c) {
 }
 
 std::string path_text(const SurfaceCase& c) {
-    std::string text = "t_s,x_m,y_m,z_m\n";
-    for (std::size_t i = 0; i < c.path.size(); ++i) {
-        const Vec3& h = c.path[i];
-        if (std::isfinite(h.x)) {
-            text +=
-                fmt::format("{},{},{},{}\n", static_cast<double>(i) * c.spec.period, h.x, h.y, h.z);
-        }
-    }
-    return text;
+    return path_text(c.path, c.spec.period);
 }
 
 }  // namespace palpate::stress

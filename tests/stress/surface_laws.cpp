@@ -14,18 +14,6 @@ constexpr double kSurfaceFootSlack = 200.0;
 /// How far from the end of its flow a slide may end, of the size of the object.
 constexpr double kFlowSlack = 1e-6;
 
-bool finite(const Vec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double largest(const Vec3& v) noexcept {
-    return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-}
-
-bool free(const SurfaceContact& c) noexcept {
-    return c.mode == Mode::free;
-}
-
 /// The pieces of a knot vector that hold u: two on a knot.
 std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
     std::vector<std::size_t> found;
@@ -61,13 +49,7 @@ std::optional<Breach> SurfaceLaws::look(const Vec3& h,
                                         const SurfaceContact& contact) {
     breach_.reset();
     const Tick now{.h = h, .contact = contact};
-    check("finite in, finite out", finite(contact.force) && finite(contact.go) &&
-                                       std::isfinite(contact.normal_force) &&
-                                       std::isfinite(contact.tangential_force));
-    check("no force while free",
-          !free(contact) || (contact.force == Vec3{} && contact.normal_force == 0.0 &&
-                             contact.tangential_force == 0.0));
-    check("the surface only pushes", -contact.normal_force, 0.0);
+    check_numbers(contact);
     if (!finite(h) || largest(h) > kFar) {
         check("a HIP that is not finite is refused without force", free(contact));
         started_ = ledger_ = false;
@@ -82,15 +64,8 @@ std::optional<Breach> SurfaceLaws::look(const Vec3& h,
     }
     check_flow(now, before);
     const double k = scene_->spec().contact.stiffness;
-    const Vec3 stretch = contact.go - h;
-    const Vec3 dh = h - last_.h;
-    check_energy({.free = free(contact),
-                  .springy = glm::length(contact.force - k * stretch) <= k * same_,
-                  .stiffness = k,
-                  .energy = 0.5 * k * glm::dot(stretch, stretch),
-                  .done = glm::dot(last_.contact.force, dh),
-                  .way2 = glm::dot(dh, dh),
-                  .rounding = k * same_ * std::max(extent_, largest(h))});
+    const bool springy = glm::length(contact.force - k * (contact.go - h)) <= k * same_;
+    check_energy(last_, now, springy, k, k * same_ * std::max(extent_, largest(h)));
     started_ = true;
     last_ = now;
     ++ticks_;

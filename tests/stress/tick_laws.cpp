@@ -16,18 +16,6 @@ constexpr double kFootSlack = 10.0;
 /// How far from the exact first root a god-object may stop, of the object's size.
 constexpr double kFirstRoot = 1e-9;
 
-bool finite(const Vec2& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y);
-}
-
-double largest(const Vec2& v) noexcept {
-    return std::max(std::fabs(v.x), std::fabs(v.y));
-}
-
-bool free(const Contact& contact) noexcept {
-    return contact.mode == Mode::free;
-}
-
 double extent_of(const engine::Outline& outline) noexcept {
     double extent = 0.0;
     for (const auto& span : outline.spans()) {
@@ -49,52 +37,22 @@ TickLaws::TickLaws(const engine::Scene& scene)
       size_(size_of(scene.outline())),
       extent_(extent_of(scene.outline())) {}
 
-void Ledger::check(const char* law, double value, double limit) {
-    if (!breach_ && !(value <= limit)) {
-        breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
-    }
-}
-
-void Ledger::check_energy(const Work& now) {
-    const double kept = now.free ? 0.0 : now.energy;
-    if (ledger_ && started_ && (now.springy || now.free)) {
-        const double leak = 0.5 * now.stiffness * now.way2;
-        work_ += now.done;
-        leak_ += leak;
-        scale_ += std::fabs(now.done) + leak + kept;
-        check("a contact gives no more work than K/2 sum |dh|^2", work_,
-              start_ - kept + leak_ + 1e-12 * scale_ + now.rounding);
-    }
-    if (now.free || !now.springy) {
-        ledger_ = false;
-    } else if (!ledger_) {
-        ledger_ = true;
-        work_ = leak_ = 0.0;
-        start_ = scale_ = now.energy;
-    }
-}
-
 std::optional<Breach> TickLaws::look(const Vec2& h,
                                      const engine::ContactState& before,
                                      const engine::ContactState& after,
                                      const Contact& contact) {
     breach_.reset();
     Tick now{.h = h, .contact = contact};
-    check("finite in, finite out", finite(contact.force) && finite(contact.go) &&
-                                       std::isfinite(contact.normal_force) &&
-                                       std::isfinite(contact.tangential_force));
+    check_numbers(contact);
     if (!finite(h)) {
-        check_refused(contact);
+        check("a HIP that is not finite is refused without force",
+              contact.refused && free(contact) && contact.force == Vec2{});
         after_refusal_ = true;
         started_ = ledger_ = false;
         ++ticks_;
         return breach_;
     }
     check("a finite HIP is not refused", !contact.refused);
-    check("no force while free",
-          !free(contact) || (contact.force == Vec2{} && contact.normal_force == 0.0 &&
-                             contact.tangential_force == 0.0));
-    check("the surface only pushes", -contact.normal_force, 0.0);
     const double reach = std::max(largest(h), started_ ? largest(last_.h) : 0.0);
     if (reach > kFar) {
         started_ = true;
@@ -117,14 +75,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
     check_first_root(now, before, after);
     check_step(now);
     const double k = scene_->spec().stiffness;
-    const Vec2 dh = h - last_.h;
-    check_energy({.free = free(contact),
-                  .springy = now.springy,
-                  .stiffness = k,
-                  .energy = 0.5 * k * glm::dot(contact.go - h, contact.go - h),
-                  .done = glm::dot(last_.contact.force, dh),
-                  .way2 = glm::dot(dh, dh),
-                  .rounding = k * same_ * std::max(extent_, largest(h))});
+    check_energy(last_, now, now.springy, k, k * same_ * std::max(extent_, largest(h)));
     if (after_refusal_) {
         check_recovery(now);
     }
@@ -133,11 +84,6 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
     last_ = now;
     ++ticks_;
     return breach_;
-}
-
-void TickLaws::check_refused(const Contact& contact) {
-    check("a HIP that is not finite is refused without force",
-          contact.refused && free(contact) && contact.force == Vec2{});
 }
 
 void TickLaws::check_free(const Tick& now) {

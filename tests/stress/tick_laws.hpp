@@ -24,24 +24,77 @@ inline constexpr double kConeSlack = 100.0;
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 inline constexpr double kFar = 1e9;
 
+template <class Point>
+[[nodiscard]] double largest(const Point& v) noexcept {
+    double most = 0.0;
+    for (int k = 0; k < Point::length(); ++k) {
+        most = std::max(most, std::fabs(v[k]));
+    }
+    return most;
+}
+
+template <class Point>
+[[nodiscard]] bool finite(const Point& v) noexcept {
+    bool all = true;
+    for (int k = 0; k < Point::length(); ++k) {
+        all = all && std::isfinite(v[k]);
+    }
+    return all;
+}
+
+template <class AnyContact>
+[[nodiscard]] bool free(const AnyContact& contact) noexcept {
+    return contact.mode == engine::Mode::free;
+}
+
 /// What the laws of every kind of contact add up, and the first that did not hold.
 class Ledger {
 protected:
-    /// What a tick adds to an episode of contact.
-    struct Work {
-        bool free = false;
-        bool springy = false;  ///< the force was K (GO - HIP)
-        double stiffness = 0.0;
-        double energy = 0.0;    ///< of the spring, J
-        double done = 0.0;      ///< on the user since the last tick, J
-        double way2 = 0.0;      ///< |dh|^2 since then, m^2
-        double rounding = 0.0;  ///< J
-    };
-
-    void check(const char* law, double value, double limit);
+    void check(const char* law, double value, double limit) {
+        if (!breach_ && !(value <= limit)) {
+            breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
+        }
+    }
     void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
+
+    /// Of the numbers of a contact in the plane or in space.
+    template <class AnyContact>
+    void check_numbers(const AnyContact& contact) {
+        check("finite in, finite out", finite(contact.force) && finite(contact.go) &&
+                                           std::isfinite(contact.normal_force) &&
+                                           std::isfinite(contact.tangential_force));
+        check("no force while free",
+              !free(contact) || (contact.force == decltype(contact.force){} &&
+                                 contact.normal_force == 0.0 && contact.tangential_force == 0.0));
+        check("the surface only pushes", -contact.normal_force, 0.0);
+    }
+
     /// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
-    void check_energy(const Work& now);
+    /// @param springy  the force is K (GO - HIP)   @param rounding  J
+    template <class Tick>
+    void check_energy(
+        const Tick& last, const Tick& now, bool springy, double stiffness, double rounding) {
+        const auto stretch = now.contact.go - now.h;
+        const auto dh = now.h - last.h;
+        const double energy = 0.5 * stiffness * glm::dot(stretch, stretch);
+        const double kept = free(now.contact) ? 0.0 : energy;
+        if (ledger_ && started_ && (springy || free(now.contact))) {
+            const double done = glm::dot(last.contact.force, dh);
+            const double leak = 0.5 * stiffness * glm::dot(dh, dh);
+            work_ += done;
+            leak_ += leak;
+            scale_ += std::fabs(done) + leak + kept;
+            check("a contact gives no more work than K/2 sum |dh|^2", work_,
+                  start_ - kept + leak_ + 1e-12 * scale_ + rounding);
+        }
+        if (free(now.contact) || !springy) {
+            ledger_ = false;
+        } else if (!ledger_) {
+            ledger_ = true;
+            work_ = leak_ = 0.0;
+            start_ = scale_ = energy;
+        }
+    }
 
     std::size_t ticks_ = 0;
     bool started_ = false;
@@ -83,7 +136,6 @@ private:
         bool springy = false;       ///< the force was K (GO - HIP)
     };
 
-    void check_refused(const engine::Contact& contact);
     void check_free(const Tick& now);
     void check_closest(Tick& now);
     void check_force(const Tick& now);

@@ -28,34 +28,49 @@ inline NurbsData<2> bezier_data(std::vector<engine::Vec2> points,
     return curve;
 }
 
-/// N_i,p(u) by the recursion of Cox and de Boor (Piegl & Tiller, eq. 2.5) in long double, 0/0 = 0,
-/// the last span closed. Written from the definition, not from the code under test.
-inline long double basis(const std::vector<double>& t, std::size_t i, int p, long double u) {
-    if (p == 0) {
-        const bool last = u == t.back() && t[i] < t[i + 1] && t[i + 1] == t.back();
-        return (t[i] <= u && u < t[i + 1]) || last ? 1.0L : 0.0L;
+/// The k of the last piece [t_k, t_k+1] that is not empty and begins at or below u; of the first
+/// where none does.
+inline std::size_t knot_piece(const std::vector<double>& t, long double u) {
+    std::size_t found = t.size();
+    for (std::size_t k = 0; k + 1 < t.size(); ++k) {
+        if (t[k] < t[k + 1] && (found == t.size() || t[k] <= u)) {
+            found = k;
+        }
     }
-    const auto q = static_cast<std::size_t>(p);
-    const long double left = static_cast<long double>(t[i + q]) - t[i];
-    const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
-    long double sum = 0.0L;
-    if (left > 0.0L) {
-        sum += (u - t[i]) / left * basis(t, i, p - 1, u);
+    return found;
+}
+
+/// All N_i,p(u) of one degree on the piece [t_k, t_k+1] by Cox and de Boor (The NURBS Book, eq.
+/// 2.5), as polynomials of that piece: u may be its closed end. Written from the definition, not
+/// from the code under test.
+inline std::vector<long double> basis_row(
+    const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
+    std::vector<long double> n(t.size() - 1, 0.0L);
+    n[piece] = 1.0L;
+    for (int d = 1; d <= p; ++d) {
+        const auto q = static_cast<std::size_t>(d);
+        for (std::size_t i = 0; i + q + 1 < t.size(); ++i) {
+            const long double left = static_cast<long double>(t[i + q]) - t[i];
+            const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
+            const long double a = left > 0.0L ? (u - t[i]) / left * n[i] : 0.0L;
+            const long double b = right > 0.0L ? (t[i + q + 1] - u) / right * n[i + 1] : 0.0L;
+            n[i] = a + b;
+        }
     }
-    if (right > 0.0L) {
-        sum += (t[i + q + 1] - u) / right * basis(t, i + 1, p - 1, u);
-    }
-    return sum;
+    n.resize(count);
+    return n;
 }
 
 /// C(u) in long double, straight from the definition.
 template <int D>
 std::array<long double, static_cast<std::size_t>(D)> nurbs_point(const NurbsData<D>& curve,
                                                                  long double u) {
+    const auto row =
+        basis_row(curve.knots, knot_piece(curve.knots, u), curve.degree, curve.points.size(), u);
     std::array<long double, static_cast<std::size_t>(D)> sum{};
     long double weight = 0.0L;
     for (std::size_t i = 0; i < curve.points.size(); ++i) {
-        const long double n = basis(curve.knots, i, curve.degree, u) * curve.weights[i];
+        const long double n = row[i] * curve.weights[i];
         weight += n;
         for (int k = 0; k < D; ++k) {
             sum[static_cast<std::size_t>(k)] += n * curve.points[i][k];

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/surface/nurbs_surface.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/nurbs_oracle.hpp"
 
 namespace palpate::tests {
 
@@ -40,26 +40,6 @@ inline Long3 minus(const Long3& a, const engine::Vec3& h) {
     return {a[0] - h.x, a[1] - h.y, a[2] - h.z};
 }
 
-/// All N_i,p(u) of one degree on the piece [t_k, t_k+1] by Cox and de Boor (The NURBS Book, eq.
-/// 2.5), as polynomials of that piece: u may be its closed end.
-inline std::vector<long double> basis_row(
-    const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
-    std::vector<long double> n(t.size() - 1, 0.0L);
-    n[piece] = 1.0L;
-    for (int d = 1; d <= p; ++d) {
-        const auto q = static_cast<std::size_t>(d);
-        for (std::size_t i = 0; i + q + 1 < t.size(); ++i) {
-            const long double left = static_cast<long double>(t[i + q]) - t[i];
-            const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
-            const long double a = left > 0.0L ? (u - t[i]) / left * n[i] : 0.0L;
-            const long double b = right > 0.0L ? (t[i + q + 1] - u) / right * n[i + 1] : 0.0L;
-            n[i] = a + b;
-        }
-    }
-    n.resize(count);
-    return n;
-}
-
 /// Derivatives 0, 1, 2 of the basis: eq. 2.7 of the same book, applied to lower degrees.
 inline std::array<std::vector<long double>, 3> basis_jet(
     const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
@@ -87,6 +67,12 @@ inline std::array<std::vector<long double>, 3> basis_jet(
 /// S, Su, Sv, Suu, Suv, Svv in long double from the definition and the quotient rule.
 struct LongJet {
     Long3 s{}, su{}, sv{}, suu{}, suv{}, svv{};
+};
+
+/// A place of a surface, and |S - h|^2 there, m^2.
+struct LongFoot {
+    long double distance2 = 1e300L;
+    Long3 point{};
 };
 
 /// The two principal curvatures, 1/m, low <= high. > 0: the surface curves away from its normal, as
@@ -168,24 +154,28 @@ public:
     }
 
     [[nodiscard]] LongJet jet(long double u, long double v) const {
-        return jet(piece_of(d_.knots_u, pieces_u_, u), piece_of(d_.knots_v, pieces_v_, v), u, v);
+        return jet(knot_piece(d_.knots_u, u), knot_piece(d_.knots_v, v), u, v);
     }
 
-    /// Distance of h from the surface: a dense grid on every patch, then damped Newton within the
-    /// patch from its best local grid minima. Samples, not a proof, but of another kind.
-    [[nodiscard]] long double distance(const engine::Vec3& h, std::size_t n = 24) {
+    /// The place of the surface next to h: a dense grid on every patch, then damped Newton within
+    /// the patch from its best local grid minima. Samples, not a proof, but of another kind.
+    [[nodiscard]] LongFoot closest(const engine::Vec3& h, std::size_t n = 24) {
         if (grid_.empty() || n_ != n) {
             sample(n);
         }
-        long double best = 1e300L;
+        LongFoot best;
         std::size_t patch = 0;
         for (const std::size_t pu : pieces_u_) {
             for (const std::size_t pv : pieces_v_) {
-                best = std::min(best, patch_distance(h, pu, pv, grid_[patch], best));
+                best = nearer(best, h, pu, pv, grid_[patch]);
                 ++patch;
             }
         }
-        return std::sqrt(best);
+        return best;
+    }
+    /// How far that is, m.
+    [[nodiscard]] long double distance(const engine::Vec3& h, std::size_t n = 24) {
+        return std::sqrt(closest(h, n).distance2);
     }
 
     [[nodiscard]] const SurfaceData& data() const { return d_; }
@@ -200,16 +190,6 @@ private:
         }
         return found;
     }
-    static std::size_t piece_of(const std::vector<double>& t,
-                                const std::vector<std::size_t>& list,
-                                long double u) {
-        std::size_t found = list.front();
-        for (const std::size_t i : list) {
-            found = t[i] <= u ? i : found;
-        }
-        return found;
-    }
-
     void sample(std::size_t n) {
         n_ = n;
         grid_.clear();
@@ -234,11 +214,12 @@ private:
                (t[piece + 1] - lo) * static_cast<long double>(i) / static_cast<long double>(n_);
     }
 
-    [[nodiscard]] long double patch_distance(const engine::Vec3& h,
-                                             std::size_t pu,
-                                             std::size_t pv,
-                                             const std::vector<Long3>& grid,
-                                             long double best) const {
+    /// `best`, or what is nearer on this patch.
+    [[nodiscard]] LongFoot nearer(LongFoot best,
+                                  const engine::Vec3& h,
+                                  std::size_t pu,
+                                  std::size_t pv,
+                                  const std::vector<Long3>& grid) const {
         const std::size_t side = n_ + 1;
         std::vector<long double> d2(side * side);
         long double step2 = 0.0L;
@@ -254,12 +235,12 @@ private:
                 step2 = std::max(step2, inner(edge, edge));
             }
         }
-        const long double reach = std::sqrt(best) + 3.0L * std::sqrt(step2);
+        const long double reach = std::sqrt(best.distance2) + 3.0L * std::sqrt(step2);
         std::vector<std::pair<long double, std::size_t>> starts;
         for (std::size_t i = 0; i < side; ++i) {
             for (std::size_t j = 0; j < side; ++j) {
                 const std::size_t k = i * side + j;
-                bool lowest = best > 1e299L || std::sqrt(d2[k]) < reach;
+                bool lowest = best.distance2 > 1e299L || std::sqrt(d2[k]) < reach;
                 for (int a = -1; a <= 1 && lowest; ++a) {
                     for (int b = -1; b <= 1; ++b) {
                         const auto ii = static_cast<long>(i) + a;
@@ -279,14 +260,15 @@ private:
         std::sort(starts.begin(), starts.end());
         starts.resize(std::min<std::size_t>(starts.size(), 12));
         for (const auto& [value, k] : starts) {
-            best = std::min(best, descend(h, pu, pv, at(d_.knots_u, pu, k / side),
-                                          at(d_.knots_v, pv, k % side)));
+            const LongFoot foot =
+                descend(h, pu, pv, at(d_.knots_u, pu, k / side), at(d_.knots_v, pv, k % side));
+            best = foot.distance2 < best.distance2 ? foot : best;
         }
         return best;
     }
 
     /// Levenberg's method with bounds: lowers |S - h|^2 until no step does.
-    [[nodiscard]] long double descend(
+    [[nodiscard]] LongFoot descend(
         const engine::Vec3& h, std::size_t pu, std::size_t pv, long double u, long double v) const {
         const long double lo_u = d_.knots_u[pu], hi_u = d_.knots_u[pu + 1];
         const long double lo_v = d_.knots_v[pv], hi_v = d_.knots_v[pv + 1];
@@ -327,20 +309,24 @@ private:
             const LongJet jn = jet(pu, pv, nu, nv);
             const Long3 rn = minus(jn.s, h);
             const long double next = inner(rn, rn);
-            if (next < value) {
+            if (next <= value * (1.0L + 1e-18L)) {  // flat at its minimum: on until u and v settle
+                const bool settled = std::fabs(nu - u) + std::fabs(nv - v) < 1e-17L;
                 u = nu;
                 v = nv;
                 j = jn;
                 r = rn;
-                value = next;
+                value = std::min(value, next);
                 damp = damp < 1e-12L ? 0.0L : damp / 8.0L;
-            } else if (damp > 1e20L || (nu == u && nv == v)) {
+                if (settled) {
+                    break;
+                }
+            } else if (damp > 1e20L) {
                 break;
             } else {
                 damp = std::max(8.0L * damp, 1e-12L);
             }
         }
-        return value;
+        return {value, j.s};
     }
 
     SurfaceData d_;

@@ -43,8 +43,7 @@ constexpr Kind kKinds[] = {{ResponseKind::two_interval, 2},   {ResponseKind::yes
 
 }  // namespace
 
-TEST_CASE("every answer of every kind is given by its key, by its card, and by arrows and Enter",
-          "[screen][answers][law]") {
+TEST_CASE("every answer of every kind is given by its key, by its card, and by arrows and Enter") {
     const Kind kind = GENERATE(from_range(std::begin(kKinds), std::end(kKinds)));
     const Question asked = question(kind.kind, kind.answers);
     SubjectScreen screen(options());
@@ -96,28 +95,7 @@ TEST_CASE("every answer of every kind is given by its key, by its card, and by a
     }
 }
 
-TEST_CASE("cards of answers lie inside the window, apart from each other and in a row",
-          "[screen][answers][law]") {
-    const engine::Vec2 size = GENERATE(engine::Vec2{800.0, 600.0}, engine::Vec2{1280.0, 800.0},
-                                       engine::Vec2{3840.0, 1080.0});
-    for (std::size_t n = 2; n <= 9; ++n) {
-        for (const ResponseKind kind : {ResponseKind::rating, ResponseKind::two_interval}) {
-            const auto cards = lay_out_answers(question(kind, n), size);
-            for (std::size_t i = 0; i < n; ++i) {
-                CAPTURE(n, i);
-                CHECK(cards[i].corner.x > 0.0);
-                CHECK(cards[i].corner.x + cards[i].size.x < size.x);
-                CHECK(cards[i].corner.y > 0.25 * size.y);  // the question is above
-                CHECK(cards[i].corner.y + cards[i].size.y < 0.7 * size.y);
-                CHECK((i == 0 ||
-                       cards[i].corner.x > cards[i - 1].corner.x + cards[i - 1].size.x + 2.0));
-            }
-        }
-    }
-}
-
-TEST_CASE("confidence is asked after the answer, on its own clock, and only where asked for",
-          "[screen][answers]") {
+TEST_CASE("confidence is asked after the answer, on its own clock, and only where asked for") {
     SubjectScreen screen(options());
     for (int sure = 1; sure <= kMaxConfidence; ++sure) {
         const Insisting subject([] { press(SDLK_2); },
@@ -134,7 +112,7 @@ TEST_CASE("confidence is asked after the answer, on its own clock, and only wher
     }
 }
 
-TEST_CASE("the key that answers does not say how sure one is as well", "[screen][answers][law]") {
+TEST_CASE("the key that answers does not say how sure one is as well") {
     SubjectScreen screen(options());
     const Insisting subject(
         [] {
@@ -146,8 +124,7 @@ TEST_CASE("the key that answers does not say how sure one is as well", "[screen]
 }
 
 TEST_CASE(
-    "the experimenter can stop a session at the answer, at the confidence and at the feedback",
-    "[screen][answers][law]") {
+    "the experimenter can stop a session at the answer, at the confidence and at the feedback") {
     SubjectScreen screen(options());
     const auto stop = [] {
         press(SDLK_q, static_cast<SDL_Keymod>(KMOD_CTRL | KMOD_SHIFT));
@@ -169,8 +146,7 @@ TEST_CASE(
     CHECK(screen.feedback(kTrial, false) == Signal::go_on);
 }
 
-TEST_CASE("wrapped text has every word in order, and no row is wider than asked for",
-          "[screen][law]") {
+TEST_CASE("wrapped text has every word in order, and no row is wider than asked for") {
     draw_into_memory();
     Window window({.font = {}, .instructions = {}});
     const std::string text = GENERATE(
@@ -195,8 +171,7 @@ TEST_CASE("wrapped text has every word in order, and no row is wider than asked 
     CHECK(wrapped(window, "a\n\nb", 20.0, 500.0) == std::vector<std::string>{"a", "", "b"});
 }
 
-TEST_CASE("the longest instructions that a protocol may give fit their place on a small screen",
-          "[screen][law]") {
+TEST_CASE("the longest instructions that a protocol may give fit their place on a small screen") {
     draw_into_memory();
     Window window({.width = 800, .height = 600, .font = {}, .instructions = {}});
     std::string words;
@@ -213,23 +188,34 @@ TEST_CASE("the longest instructions that a protocol may give fit their place on 
 
 using palpate::engine::Vec2;
 
-TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictures",
-          "[pictures][law]") {
-    for (const Vec2& window :
-         {Vec2{1024.0, 768.0}, Vec2{1280.0, 800.0}, Vec2{1920.0, 1080.0}, Vec2{800.0, 1200.0}}) {
+TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictures or answers") {
+    const Vec2 size = GENERATE(Vec2{1024.0, 768.0}, Vec2{1280.0, 800.0}, Vec2{1920.0, 1080.0},
+                               Vec2{800.0, 1200.0}, Vec2{800.0, 600.0}, Vec2{3840.0, 1080.0});
+    struct Layout {
+        std::function<std::vector<Card>(std::size_t)> of;
+        double top, bottom, apart;  // the question is above
+    };
+    const auto answers = [&](ResponseKind kind) {
+        return [&size, kind](std::size_t n) {
+            return lay_out_answers(question(kind, n), size);
+        };
+    };
+    for (const Layout& layout :
+         {Layout{[&](std::size_t n) { return lay_out_cards(n, size); }, 0.2, 0.8, 0.0},
+          Layout{answers(ResponseKind::rating), 0.25, 0.7, 2.0},
+          Layout{answers(ResponseKind::two_interval), 0.25, 0.7, 2.0}}) {
         for (std::size_t n = 2; n <= 9; ++n) {
-            CAPTURE(window.x, window.y, n);
-            const std::vector<Card> cards = lay_out_cards(n, window);
+            CAPTURE(size.x, size.y, n);
+            const std::vector<Card> cards = layout.of(n);
             REQUIRE(cards.size() == n);
             for (std::size_t i = 0; i < n; ++i) {
-                CHECK(cards[i].corner.x >= 0.0);
-                CHECK(cards[i].corner.x + cards[i].size.x <= window.x);
-                CHECK(cards[i].corner.y > 0.2 * window.y);
-                CHECK(cards[i].corner.y + cards[i].size.y < 0.8 * window.y);
+                CHECK(cards[i].corner.x > 0.0);
+                CHECK(cards[i].corner.x + cards[i].size.x < size.x);
+                CHECK(cards[i].corner.y > layout.top * size.y);
+                CHECK(cards[i].corner.y + cards[i].size.y < layout.bottom * size.y);
                 CHECK(cards[i].size == cards[0].size);
-                if (i > 0) {
-                    CHECK(cards[i].corner.x > cards[i - 1].corner.x + cards[i - 1].size.x);
-                }
+                CHECK((i == 0 || cards[i].corner.x >
+                                     cards[i - 1].corner.x + cards[i - 1].size.x + layout.apart));
                 CHECK(card_at(cards, cards[i].centre()) == i);
                 CHECK_FALSE(card_at(cards, cards[i].corner - Vec2{2.0, 2.0}).has_value());
             }
@@ -237,8 +223,7 @@ TEST_CASE("cards lie side by side inside the window, all alike, for 2 to 9 pictu
     }
 }
 
-TEST_CASE("a pixel goes to the object's frame and back, y up, the middle at (0, 30 mm)",
-          "[pointer][law]") {
+TEST_CASE("a pixel goes to the object's frame and back, y up, the middle at (0, 30 mm)") {
     const PointerMap map{{1280.0, 800.0}};
     CHECK(map.to_object({640.0, 400.0}) == Vec2{0.0, 0.030});
     CHECK(map.to_object({644.0, 396.0}).x > 0.0);

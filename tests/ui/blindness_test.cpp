@@ -20,21 +20,16 @@ std::string shown_on(ui::SubjectScreen& screen) {
     return std::to_string(std::hash<std::string_view>{}(bytes));
 }
 
-/// Hardly a pixel more than a screen needs: each is hashed, frame by frame.
-const ui::WindowOptions kSmall{.width = 640, .height = 480, .font = {}, .instructions = {}};
-
 ui::SubjectScreenOptions small_screen(bool dead_man,
                                       ResponseKind asks = ResponseKind::identification,
                                       double guard_s = 0.25) {
-    return {.window = kSmall,
-            .watermark = {},
-            .interrupted = {},
-            .on_pointer = {},
-            .dead_man = dead_man,
-            .guard_s = guard_s,
-            .asks = asks,
-            .on_hold = {},
-            .on_stop = {}};
+    ui::SubjectScreenOptions all = options();
+    all.window.width = 640;  // hardly a pixel more than a screen needs: each is hashed
+    all.window.height = 480;
+    all.dead_man = dead_man;
+    all.guard_s = guard_s;
+    all.asks = asks;
+    return all;
 }
 
 /// Presses a key again and again until `ask` has come back.
@@ -104,8 +99,8 @@ struct Forgetful : NoRecorder {
 
 }  // namespace
 
-TEST_CASE("while exploring, the subject's picture is the same to the pixel for all ten conditions",
-          "[blind][law]") {
+TEST_CASE(
+    "while exploring, the subject's picture is the same to the pixel for all ten conditions") {
     draw_into_memory();
     Protocol protocol = shipped();
     protocol.timing.explore_min = 0.0;
@@ -128,8 +123,7 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     CHECK(*screen.pictures_.begin() != *screen.shown_.begin());
 }
 
-TEST_CASE("nothing of the condition is among what the explore screen is drawn from",
-          "[blind][law]") {
+TEST_CASE("nothing of the condition is among what the explore screen is drawn from") {
     // Whoever adds a member to the face must come here and say why it cannot tell the shape.
     const auto [number, total, practice, may_finish, prompt, dead_man, interval, intervals,
                 asks_shape] = ui::ExploreFace{};
@@ -140,15 +134,14 @@ TEST_CASE("nothing of the condition is among what the explore screen is drawn fr
     CHECK_FALSE((practice || may_finish || prompt || dead_man));
 }
 
-TEST_CASE("where a trial may begin is the same for all conditions, and so is what ready says of it",
-          "[blind][gate][law]") {
+TEST_CASE(
+    "where a trial may begin is the same for all conditions, and so is what ready says of it") {
     const auto [away, radius, in_space, open, inside, refused] = ui::StartMark{};
     CHECK((glm::length(away) == 0.0 && radius == 0.0 && !in_space && open && !inside && !refused));
 }
 
 TEST_CASE(
-    "after a fault the screens are the same to the pixel for all conditions, dead-man key or not",
-    "[blind][fault][law]") {
+    "after a fault the screens are the same to the pixel for all conditions, dead-man key or not") {
     /// Shows the real faces of a session whose every trial faults once.
     class Shaken : public Patient {
     public:
@@ -196,8 +189,7 @@ TEST_CASE(
     CHECK(screen.waiting != screen.solved);
 }
 
-TEST_CASE("nothing of the condition is among what the trouble screen is drawn from",
-          "[blind][fault][law]") {
+TEST_CASE("nothing of the condition is among what the trouble screen is drawn from") {
     // As above: what a new member says must be the same for every stimulus.
     const auto [sentence, solved, by_chord] = ui::TroubleFace{};
     CHECK((sentence.empty() && !solved && !by_chord));
@@ -208,7 +200,7 @@ TEST_CASE("nothing of the condition is among what the trouble screen is drawn fr
 TEST_CASE(
     "every screen of a trial of two intervals is the same to the pixel for all conditions, the "
     "question too",
-    "[long][blind][answers][law]") {
+    "[long]") {
     /// Shows the real screens of both intervals for each trial of a session, and answers by itself.
     class TwoIntervals : public Patient {
     public:
@@ -288,8 +280,7 @@ TEST_CASE(
     CHECK(all.size() == 7);  // the test sees differences where there are some
 }
 
-TEST_CASE("nothing of the condition is among what the ready and answer screens are drawn from",
-          "[blind][answers][law]") {
+TEST_CASE("nothing of the condition is among what the ready and answer screens are drawn from") {
     // As above. What a question says is the same for every trial of a session.
     const auto [number, total, practice, dead_man, interval, intervals, start] = ui::ReadyFace{};
     CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1 &&

@@ -26,8 +26,7 @@ struct DeskRig {
 
 }  // namespace
 
-TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever is pressed",
-          "[screen][desk][law]") {
+TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever is pressed") {
     DeskRig rig;
     const Later participant([] {
         for (const SDL_Keycode key : {SDLK_m, SDLK_p, SDLK_y, SDLK_m, SDLK_y}) {
@@ -45,8 +44,7 @@ TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever
     CHECK_FALSE(rig.desk.wants());
 }
 
-TEST_CASE("a mark at the screen keeps the reason of one that was asked for before",
-          "[screen][desk][law]") {
+TEST_CASE("a mark at the screen keeps the reason of one that was asked for before") {
     DeskRig rig;
     rig.desk.mark("the phone rang");
     press(SDLK_m, kChord);
@@ -57,8 +55,7 @@ TEST_CASE("a mark at the screen keeps the reason of one that was asked for befor
     CHECK_FALSE(rig.desk.take_mark());
 }
 
-TEST_CASE("what became of a mark stands at the lower edge, until something else is asked",
-          "[screen][desk]") {
+TEST_CASE("what became of a mark stands at the lower edge, until something else is asked") {
     DeskRig rig;
     const auto says = [&](const std::string& sentence) {
         static_cast<void>(rig.screen.gap(0.1));
@@ -72,8 +69,7 @@ TEST_CASE("what became of a mark stands at the lower edge, until something else 
     says("nothing to mark");
 }
 
-TEST_CASE("the question of a mark names the trial that runs, or the last one",
-          "[screen][desk][law]") {
+TEST_CASE("the question of a mark names the trial that runs, or the last one") {
     DeskRig rig;
     const auto asks = [&](const std::string& which) {
         CHECK_THAT(rig.words(), Has("press Y if " + which + " trial"));
@@ -98,7 +94,7 @@ TEST_CASE("the question of a mark names the trial that runs, or the last one",
     asks("the last");
 }
 
-TEST_CASE("a break asks for the handle before it asks for Space", "[screen][desk][law]") {
+TEST_CASE("a break asks for the handle before it asks for Space") {
     DeskRig rig;
     std::atomic<bool> awaited{true};
     std::string before;
@@ -118,8 +114,7 @@ TEST_CASE("a break asks for the handle before it asks for Space", "[screen][desk
     CHECK_THAT(rig.words(), Has("Press Space to go on"));
 }
 
-TEST_CASE("a break and a pause end with a stop, which is still to be shown",
-          "[screen][desk][law]") {
+TEST_CASE("a break and a pause end with a stop, which is still to be shown") {
     DeskRig rig;
     const Later somebody([&] { rig.desk.stop("shell"); }, 500);
     const bool rests = GENERATE(true, false);
@@ -127,8 +122,7 @@ TEST_CASE("a break and a pause end with a stop, which is still to be shown",
     CHECK(rig.desk.wants_stop());
 }
 
-TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
-          "[screen][desk][law]") {
+TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does") {
     DeskRig rig;
     TrialView second = kTrial;
     second.interval = second.intervals = 2;
@@ -146,8 +140,7 @@ TEST_CASE("a mark or a pause does not begin the second interval of a trial, Spac
     CHECK(rig.desk.take_pause());  // it comes after the trial
 }
 
-TEST_CASE("after the experimenter's stop only the experimenter's chord goes on",
-          "[screen][desk][fault][law]") {
+TEST_CASE("after the experimenter's stop only the experimenter's chord goes on") {
     DeskRig rig;
     TroubleView view{.sentence = "the experimenter switched the force off", .by_hand = true};
     const auto press_all = [] {

@@ -38,7 +38,7 @@ Check named(const std::string& name, CheckStatus status) {
 
 }  // namespace
 
-TEST_CASE("a check that throws is a failed check with what was thrown", "[doctor][law]") {
+TEST_CASE("a check that throws is a failed check with what was thrown") {
     const Check check = guarded("disk", []() -> Check { throw std::runtime_error("no room"); });
     CHECK(check.name == "disk");
     CHECK(check.status == CheckStatus::fail);
@@ -47,7 +47,7 @@ TEST_CASE("a check that throws is a failed check with what was thrown", "[doctor
     CHECK_FALSE(any_fails({named("a", CheckStatus::ok), named("b", CheckStatus::warn)}));
 }
 
-TEST_CASE("a device is looked at with zero force, and its own words are the remedy", "[doctor]") {
+TEST_CASE("a device is looked at with zero force, and its own words are the remedy") {
     const auto look = [](int good, double force) {
         return check_device("x", [&] { return std::make_unique<Failing>(good); },
                             {.force_n = force});
@@ -76,8 +76,7 @@ TEST_CASE("a device is looked at with zero force, and its own words are the reme
     CHECK_THAT(pointer.detail, Has("gives no force"));
 }
 
-TEST_CASE("the kinematics check passes a linkage and fails one whose workspace it cannot reach",
-          "[doctor]") {
+TEST_CASE("the kinematics check passes a linkage and fails one whose workspace it cannot reach") {
     const Linkage good{.name = "good", .centre = {0.0125, 0.05}};
     CHECK(check_kinematics({&good, 1}).status == CheckStatus::ok);
     const Linkage away{.name = "away", .centre = {2.0, 0.05}};
@@ -86,7 +85,7 @@ TEST_CASE("the kinematics check passes a linkage and fails one whose workspace i
     CHECK_FALSE(bad.remedy.empty());
 }
 
-TEST_CASE("cyclictest's histogram is read: counts, overflows, quantiles by hand", "[doctor]") {
+TEST_CASE("cyclictest's histogram is read: counts, overflows, quantiles by hand") {
     const auto result = parse_cyclictest(
         "# /dev/cpu_dma_latency set to 0us\n# Histogram\n"
         "000000 000000\n000001 000040\n000002 000050\n000003 000008\n000004 000000\n"
@@ -107,7 +106,7 @@ TEST_CASE("cyclictest's histogram is read: counts, overflows, quantiles by hand"
     }
 }
 
-TEST_CASE("the bars of a lateness histogram count every tick once", "[doctor][law]") {
+TEST_CASE("the bars of a lateness histogram count every tick once") {
     engine::LatenessHistogram histogram;
     for (const std::int64_t us : {0, 3, 12, 12, 15, 40, 700, 20'000}) {
         histogram.add(us * 1'000, us > 500);
@@ -124,7 +123,7 @@ TEST_CASE("the bars of a lateness histogram count every tick once", "[doctor][la
     CHECK(bars(engine::LatenessHistogram{}).size() <= 1);
 }
 
-TEST_CASE("jitter is judged by the share of late ticks", "[doctor]") {
+TEST_CASE("jitter is judged by the share of late ticks") {
     const auto judged = [](int ticks, int late) {
         JitterRun run;
         run.rate_hz = 1000.0;
@@ -141,8 +140,7 @@ TEST_CASE("jitter is judged by the share of late ticks", "[doctor]") {
     CHECK(judged(0, 0).status == CheckStatus::fail);
 }
 
-TEST_CASE("a disk that is not there or not ours fails with a remedy, a folder that is passes",
-          "[doctor]") {
+TEST_CASE("a disk that is not there or not ours fails with a remedy, a folder that is passes") {
     CHECK(check_disk("/no/such/folder/study.sqlite").status == CheckStatus::fail);
     CHECK_FALSE(check_disk("/no/such/folder/study.sqlite").remedy.empty());
     const Check here = check_disk("study.sqlite");
@@ -150,13 +148,13 @@ TEST_CASE("a disk that is not there or not ours fails with a remedy, a folder th
     CHECK(here.numbers.size() == 3);
 }
 
-TEST_CASE("a font that is asked for and not there fails with a remedy", "[doctor]") {
+TEST_CASE("a font that is asked for and not there fails with a remedy") {
     const Check check = check_font("/no/such/font.ttf");
     CHECK(check.status == CheckStatus::fail);
     CHECK_THAT(check.remedy, Has("/no/such/font.ttf"));
 }
 
-TEST_CASE("a line says status, name and detail, and the remedy behind an arrow", "[doctor]") {
+TEST_CASE("a line says status, name and detail, and the remedy behind an arrow") {
     Check check = named("disk", CheckStatus::warn);
     check.detail = "slow";
     check.remedy = "use another one";
@@ -167,8 +165,7 @@ TEST_CASE("a line says status, name and detail, and the remedy behind an arrow",
     CHECK(verdict({check, named("x", CheckStatus::ok)}) == "1 ok, 1 to look at, 0 failed\n");
 }
 
-TEST_CASE("JSON stays valid with quotes, line ends, broken UTF-8 and numbers that are none",
-          "[doctor][law]") {
+TEST_CASE("JSON stays valid with quotes, line ends, broken UTF-8 and numbers that are none") {
     Check check = named("a\"b\\c\nd\x01", CheckStatus::ok);
     check.detail = "caf\xc3\xa9 \xff \xc3( \xe2\x82\xac \xed\xa0\x80 \xc3";
     check.numbers = {{"nan", std::numeric_limits<double>::quiet_NaN()},

@@ -155,10 +155,33 @@ double minutes_of_arc(const Window& window, const TextExtent& line) {
     return metres / 1.0 * 180.0 / M_PI * 60.0;
 }
 
+/// Pixels covered when `corners` are drawn in white on black.
+double coverage(const std::vector<Corner>& corners) {
+    draw_into_memory();
+    Window window({.width = 640, .height = 480, .font = {}});
+    window.clear({0, 0, 0});
+    window.fine({0.0, 0.0}, {640.0, 480.0}, [&] { window.triangles(corners, {255, 255, 255}); });
+    window.present();
+    double sum = 0.0;
+    const std::vector<std::uint8_t> pixels = window.pixels();
+    for (std::size_t i = 0; i < pixels.size(); i += 4) {
+        sum += pixels[i] / 255.0;
+    }
+    return sum;
+}
+
+std::vector<Vec2> ellipse(double a, double b, int points) {
+    std::vector<Vec2> outline;
+    for (int i = 0; i < points; ++i) {
+        const double t = 2.0 * M_PI * i / points;
+        outline.push_back({320.3 + a * std::cos(t), 240.6 + b * std::sin(t)});
+    }
+    return outline;
+}
+
 }  // namespace
 
-TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of every size",
-          "[screen][faces][law]") {
+TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of every size") {
     draw_into_memory();
     const Vec2 size = GENERATE(from_range(kSizes));
     const Language language = GENERATE(Language::en, Language::tr);
@@ -188,8 +211,7 @@ TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of
     }
 }
 
-TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and inside the window",
-          "[screen][faces][law]") {
+TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and inside the window") {
     draw_into_memory();
     const Vec2 size = GENERATE(from_range(kSizes));
     const Language language = GENERATE(Language::en, Language::tr);
@@ -219,7 +241,7 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
     }
 }
 
-TEST_CASE("on a Turkish screen a trouble is said in Turkish alone", "[screen][faces][law]") {
+TEST_CASE("on a Turkish screen a trouble is said in Turkish alone") {
     draw_into_memory();
     Window window({.width = 1280, .height = 800, .font = {}, .language = Language::tr});
     for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
@@ -235,36 +257,8 @@ TEST_CASE("on a Turkish screen a trouble is said in Turkish alone", "[screen][fa
     }
 }
 
-namespace {
-
-/// Pixels covered when `corners` are drawn in white on black.
-double coverage(const std::vector<Corner>& corners) {
-    draw_into_memory();
-    Window window({.width = 640, .height = 480, .font = {}});
-    window.clear({0, 0, 0});
-    window.fine({0.0, 0.0}, {640.0, 480.0}, [&] { window.triangles(corners, {255, 255, 255}); });
-    window.present();
-    double sum = 0.0;
-    const std::vector<std::uint8_t> pixels = window.pixels();
-    for (std::size_t i = 0; i < pixels.size(); i += 4) {
-        sum += pixels[i] / 255.0;
-    }
-    return sum;
-}
-
-std::vector<Vec2> ellipse(double a, double b, int points) {
-    std::vector<Vec2> outline;
-    for (int i = 0; i < points; ++i) {
-        const double t = 2.0 * M_PI * i / points;
-        outline.push_back({320.3 + a * std::cos(t), 240.6 + b * std::sin(t)});
-    }
-    return outline;
-}
-
-}  // namespace
-
 // Closed form: a line of width w along a circle of radius R covers 2 pi R w.
-TEST_CASE("a stroke covers its true area within 1 %", "[stroke][law]") {
+TEST_CASE("a stroke covers its true area within 1 %") {
     for (const double radius : {60.0, 180.0}) {
         for (const double width : {4.0, 15.0}) {
             CAPTURE(radius, width);
@@ -275,7 +269,7 @@ TEST_CASE("a stroke covers its true area within 1 %", "[stroke][law]") {
     }
 }
 
-TEST_CASE("a straight bar covers its true area at every angle", "[stroke][law]") {
+TEST_CASE("a straight bar covers its true area at every angle") {
     for (int degrees = 0; degrees < 180; degrees += 35) {
         CAPTURE(degrees);
         const double t = degrees * M_PI / 180.0;
@@ -292,8 +286,7 @@ TEST_CASE("a straight bar covers its true area at every angle", "[stroke][law]")
     }
 }
 
-TEST_CASE("a filled polygon covers its true area, convex or not, either way round",
-          "[stroke][law]") {
+TEST_CASE("a filled polygon covers its true area, convex or not, either way round") {
     std::vector<Vec2> round = ellipse(150.0, 90.0, 120);
     CHECK(std::fabs(coverage(fill(round)) / (M_PI * 150.0 * 90.0) - 1.0) < 0.01);
     std::reverse(round.begin(), round.end());

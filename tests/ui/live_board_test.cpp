@@ -28,8 +28,7 @@ std::vector<std::uint64_t> memory_of(const ui::LiveBoard& board) {
 
 }  // namespace
 
-TEST_CASE("two conditions that the same hand feels are shown alike, byte for byte",
-          "[live][blind][law]") {
+TEST_CASE("two conditions that the same hand feels are shown alike, byte for byte") {
     const Protocol protocol = demo();
     const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
     OperatorDesk desk;
@@ -69,7 +68,7 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
     CHECK(shown(felt(0, 0), 0.5, true) != shown(felt(1, 1), 2.5, true));
 }
 
-TEST_CASE("a pause and a stop that are asked for are shown before they are done", "[live][law]") {
+TEST_CASE("a pause and a stop that are asked for are shown before they are done") {
     const Protocol protocol = demo();
     const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
     OperatorDesk desk;
@@ -96,7 +95,7 @@ TEST_CASE("a pause and a stop that are asked for are shown before they are done"
     CHECK(reader.version() == version);
 }
 
-TEST_CASE("a device is read as it is written, also a replay of a file with colons", "[cli]") {
+TEST_CASE("a device is read as it is written, also a replay of a file with colons") {
     CHECK(parse_device("sim").kind == DeviceChoice::Kind::simulated);
     CHECK(parse_device("mouse").kind == DeviceChoice::Kind::mouse);
     const DeviceChoice whole = parse_device("replay:a.sqlite");
@@ -125,8 +124,8 @@ TEST_CASE("a device is read as it is written, also a replay of a file with colon
     }
 }
 
-TEST_CASE("a study that asks for a device fits that one alone, and one that asks for any fits all",
-          "[cli][law]") {
+TEST_CASE(
+    "a study that asks for a device fits that one alone, and one that asks for any fits all") {
     using Kind = DeviceChoice::Kind;
     using palpate::protocols::DeviceClass;
     for (const Kind kind : {Kind::simulated, Kind::mouse, Kind::replay, Kind::haply,

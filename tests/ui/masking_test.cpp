@@ -87,8 +87,7 @@ const StreamKey kKey{.protocol_hash = "h", .participant = "P1", .purpose = {}, .
 
 }  // namespace
 
-TEST_CASE("there is noise whenever the force is on, and none at questions, gaps and in trouble",
-          "[sound][law]") {
+TEST_CASE("there is noise whenever the force is on, and none at questions, gaps and in trouble") {
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
     World world{.fault_share = 0.5, .max_faults = 1};
@@ -112,7 +111,7 @@ TEST_CASE("there is noise whenever the force is on, and none at questions, gaps 
     CHECK_FALSE(player.wanted);
 }
 
-TEST_CASE("noise that was not played while an object was felt is an event", "[sound][law]") {
+TEST_CASE("noise that was not played while an object was felt is an event") {
     FakePlayer player;
     Listener listener(player);
     Notes notes;
@@ -133,8 +132,7 @@ TEST_CASE("noise that was not played while an object was felt is an event", "[so
     CHECK(notes.all.size() == 1);
 }
 
-TEST_CASE("noise goes on between the intervals of a trial, and stops for its question",
-          "[sound][law]") {
+TEST_CASE("noise goes on between the intervals of a trial, and stops for its question") {
     FakePlayer player;
     Patient patient;
     Notes notes;
@@ -150,8 +148,7 @@ TEST_CASE("noise goes on between the intervals of a trial, and stops for its que
     CHECK_FALSE(player.wanted);
 }
 
-TEST_CASE("a lost sound device ends a real session before the next trial, a pilot goes on",
-          "[sound][law]") {
+TEST_CASE("a lost sound device ends a real session before the next trial, a pilot goes on") {
     const bool required = GENERATE(false, true);
     FakePlayer player;
     Listener listener(player);
@@ -171,8 +168,7 @@ TEST_CASE("a lost sound device ends a real session before the next trial, a pilo
 }
 
 TEST_CASE(
-    "what SDL sends to the device is the noise, the same left and right, beginning in silence",
-    "[sound][law]") {
+    "what SDL sends to the device is the noise, the same left and right, beginning in silence") {
     const std::filesystem::path file = std::filesystem::temp_directory_path() /
                                        ("palpate-noise-" + std::to_string(getpid()) + ".raw");
     set_driver("disk");
@@ -213,8 +209,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a real session that asks for noise is refused where nobody would hear it, a pilot warned",
-    "[sound][law]") {
+    "a real session that asks for noise is refused where nobody would hear it, a pilot warned") {
     ui::RigSpec spec;
     spec.study.protocol = short_protocol();
     spec.study.protocol.masking = kPink;
@@ -243,8 +238,8 @@ TEST_CASE(
     CHECK(ui::open_masking(spec).note.empty());
 }
 
-TEST_CASE("check warns of instructions that the screen's language lacks, and of noise that is cut",
-          "[sound][instructions]") {
+TEST_CASE(
+    "check warns of instructions that the screen's language lacks, and of noise that is cut") {
     Protocol protocol = short_protocol();
     const auto plan = make_plan(protocol, "hash", {"P1", 1}, 1);
     const auto others = [&] {  // what is said of plan and friction is not looked at here

@@ -105,8 +105,7 @@ constexpr int kPieces = 48;  // the 50 Hz third has a standard deviation of abou
 
 }  // namespace
 
-TEST_CASE("pink noise loses 3 dB an octave within 1 dB from 50 Hz to 10 kHz, at every rate",
-          "[sound][law]") {
+TEST_CASE("pink noise loses 3 dB an octave within 1 dB from 50 Hz to 10 kHz, at every rate") {
     EACH(rate, 44100.0, 48000.0, 96000.0);
     PinkNoise noise(Pcg32(20260114, 7), rate);
     const auto bands = thirds(spectrum([&] { return noise.next(); }, kPiece, kPieces),
@@ -118,7 +117,7 @@ TEST_CASE("pink noise loses 3 dB an octave within 1 dB from 50 Hz to 10 kHz, at 
     CHECK(std::fabs(tilt(bands)) <= 0.06);
 }
 
-TEST_CASE("the spectrum test tells pink noise from white and from brown", "[sound]") {
+TEST_CASE("the spectrum test tells pink noise from white and from brown") {
     Pcg32 random(1, 2);
     const auto white = [&] {
         return static_cast<double>(random.next()) / 2147483648.0 - 1.0;
@@ -131,8 +130,7 @@ TEST_CASE("the spectrum test tells pink noise from white and from brown", "[soun
     CHECK(tilt(thirds(spectrum(brown, kPiece, 8), 48000.0 / kPiece)) < -2.5);
 }
 
-TEST_CASE("pink noise has mean square 1 and nearly Gaussian peaks, one seed one noise",
-          "[sound][law]") {
+TEST_CASE("pink noise has mean square 1 and nearly Gaussian peaks, one seed one noise") {
     SEED(3ULL);
     PinkNoise noise(Pcg32(seed, 3), 48000.0);
     PinkNoise same(Pcg32(seed, 3), 48000.0);
@@ -155,8 +153,7 @@ TEST_CASE("pink noise has mean square 1 and nearly Gaussian peaks, one seed one 
     CHECK(beyond < kSamples / 8000);  // Gauss: 1 in 15787
 }
 
-TEST_CASE("noise comes in and goes out along t^2 (3 - 2 t) and is silent before and after",
-          "[sound][law]") {
+TEST_CASE("noise comes in and goes out along t^2 (3 - 2 t) and is silent before and after") {
     constexpr double kRate = 48000.0;
     const double level = GENERATE(-60.0, -30.0, -12.0);
     FadedNoise faded(Pcg32(5, 9), kRate, level);
@@ -193,7 +190,7 @@ TEST_CASE("noise comes in and goes out along t^2 (3 - 2 t) and is silent before 
     CHECK(worst < 1e-7);
 }
 
-TEST_CASE("noise is as loud as its level says and never beyond full scale", "[sound][law]") {
+TEST_CASE("noise is as loud as its level says and never beyond full scale") {
     const double level = GENERATE(-60.0, -30.0, -12.0, 0.0);
     FadedNoise faded(Pcg32(11, 4), 48000.0, level);
     faded.on();
@@ -215,7 +212,7 @@ TEST_CASE("noise is as loud as its level says and never beyond full scale", "[so
     }
 }
 
-TEST_CASE("noise at a rate that no sound device has is refused", "[sound]") {
+TEST_CASE("noise at a rate that no sound device has is refused") {
     for (const double rate : {0.0, 15999.0, 192001.0, std::nan("")}) {
         CHECK_THROWS_AS(PinkNoise(Pcg32(1, 1), rate), std::invalid_argument);
     }

@@ -4,8 +4,7 @@
 using namespace palpate::protocols;
 using namespace palpate::ui;
 
-TEST_CASE("what was pressed before a screen, or is held down, does not answer it",
-          "[screen][law]") {
+TEST_CASE("what was pressed before a screen, or is held down, does not answer it") {
     SubjectScreen screen(options());
     press(SDLK_1);  // too early
     const Later subject([] {
@@ -15,8 +14,7 @@ TEST_CASE("what was pressed before a screen, or is held down, does not answer it
     CHECK(screen.choose(kTrial, question(ResponseKind::yes_no)).place == 1);
 }
 
-TEST_CASE("no key of the subject ends a session, the experimenter's two steps do",
-          "[screen][law]") {
+TEST_CASE("no key of the subject ends a session, the experimenter's two steps do") {
     SubjectScreen screen(options());
     {
         const Later subject([] {
@@ -49,7 +47,7 @@ TEST_CASE("no key of the subject ends a session, the experimenter's two steps do
     }
 }
 
-TEST_CASE("a signal of the operating system ends any screen", "[screen]") {
+TEST_CASE("a signal of the operating system ends any screen") {
     std::atomic<bool> arrived{false};
     SubjectScreenOptions with_signal = options();
     with_signal.interrupted = [&] {
@@ -63,7 +61,7 @@ TEST_CASE("a signal of the operating system ends any screen", "[screen]") {
     CHECK(screen.explore(kTrial, 0.0).signal == Signal::abort);
 }
 
-TEST_CASE("done is stamped on the servo's clock, and a call returns within a few ms", "[screen]") {
+TEST_CASE("done is stamped on the servo's clock, and a call returns within a few ms") {
     SubjectScreen screen(options());
     CHECK(screen.explore(kTrial, 3.0).signal == Signal::go_on);
     press(SDLK_SPACE);
@@ -74,8 +72,7 @@ TEST_CASE("done is stamped on the servo's clock, and a call returns within a few
     CHECK(done.uncertainty_s >= 0.0);
 }
 
-TEST_CASE("the pointer is the handle: its place goes to the device, starting at the start pose",
-          "[screen]") {
+TEST_CASE("the pointer is the handle: its place goes to the device, starting at the start pose") {
     std::vector<engine::Vec2> seen;
     SubjectScreenOptions as_handle = options();
     as_handle.on_pointer = [&](const engine::Vec2& p) {
@@ -92,8 +89,7 @@ TEST_CASE("the pointer is the handle: its place goes to the device, starting at 
     CHECK(glm::length(seen.back() - PointerMap{{1024.0, 768.0}}.to_object({600.0, 500.0})) < 1e-12);
 }
 
-TEST_CASE("Space begins with the handle at the start alone, where there is a handle",
-          "[screen][gate][law]") {
+TEST_CASE("Space begins with the handle at the start alone, where there is a handle") {
     protocols::Protocol protocol;
     protocol.apparatus.start = {0.0, 0.060};
     std::atomic<double> x{0.010};
@@ -126,8 +122,7 @@ TEST_CASE("Space begins with the handle at the start alone, where there is a han
     CHECK(screen.ready(kTrial) == Signal::go_on);
 }
 
-TEST_CASE("a question ends unanswered after its time and not before, the confidence too",
-          "[screen][law]") {
+TEST_CASE("a question ends unanswered after its time and not before, the confidence too") {
     SubjectScreen screen(options());
     Question asked = question(ResponseKind::yes_no, 2, true);
     asked.timeout_s = 1.5;

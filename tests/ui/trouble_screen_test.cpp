@@ -50,10 +50,30 @@ void happens_to_window(SDL_WindowEventID what) {
     tests::SDL_PushEvent(&event);
 }
 
+/// Those that say numbers, and how many.
+constexpr std::pair<std::string_view ui::Words::*, int> kNumbers[] = {
+    {&ui::Words::trials, 1},
+    {&ui::Words::practice_first, 2},
+    {&ui::Words::trial, 2},
+    {&ui::Words::practice_trial, 2},
+    {&ui::Words::choose, 1},
+    {&ui::Words::choose_level, 1},
+    {&ui::Words::next_trial, 2},
+    {&ui::Words::next_practice, 2},
+    {&ui::Words::wait, 1},
+    {&ui::Words::marked, 2},
+    {&ui::Words::practice_marked, 2},
+};
+
+/// Every sentence: the words are nothing else.
+auto sentences_of(const ui::Words& words) {
+    return std::bit_cast<
+        std::array<std::string_view, sizeof(ui::Words) / sizeof(std::string_view)>>(words);
+}
+
 }  // namespace
 
-TEST_CASE("a trial with a dead-man key begins when Space goes down, and not before",
-          "[screen][fault][law]") {
+TEST_CASE("a trial with a dead-man key begins when Space goes down, and not before") {
     Rig rig;
     {
         const Later subject([] {
@@ -72,8 +92,7 @@ TEST_CASE("a trial with a dead-man key begins when Space goes down, and not befo
     CHECK(rig.explore_until_quiet(4.0).signal == Signal::done);
 }
 
-TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and however early",
-          "[screen][fault][law]") {
+TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and however early") {
     EACH(way, 0, 1, 2, 3);
     Rig rig;
     rig.begin();
@@ -96,8 +115,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
     CHECK(rig.holds.back() == false);
 }
 
-TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it",
-          "[screen][fault]") {
+TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it") {
     Rig rig(false);
     rig.begin();
     static_cast<void>(rig.screen.explore(kTrial, 0.0));
@@ -108,8 +126,7 @@ TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it"
     CHECK(rig.holds.empty());
 }
 
-TEST_CASE("Escape says on every screen, once and at once, that no force is wanted",
-          "[screen][fault][law]") {
+TEST_CASE("Escape says on every screen, once and at once, that no force is wanted") {
     Rig rig(false);
     int pressed = 0;
     const auto escape = [&pressed] {
@@ -157,8 +174,7 @@ TEST_CASE("Escape says on every screen, once and at once, that no force is wante
 }
 
 TEST_CASE(
-    "a window that loses the keyboard, is hidden, minimised or to be closed has the force off",
-    "[screen][fault][law]") {
+    "a window that loses the keyboard, is hidden, minimised or to be closed has the force off") {
     EACH(what, as<int>{}, SDL_WINDOWEVENT_FOCUS_LOST, SDL_WINDOWEVENT_HIDDEN,
          SDL_WINDOWEVENT_MINIMIZED, SDL_WINDOWEVENT_NONE);
     Rig rig(false);
@@ -175,8 +191,7 @@ TEST_CASE(
     CHECK((rig.cause == engine::Trip::focus_lost));
 }
 
-TEST_CASE("in trouble the screen waits, and goes on with a press after the device is back",
-          "[screen][fault]") {
+TEST_CASE("in trouble the screen waits, and goes on with a press after the device is back") {
     Rig rig(false);
     TroubleView view{.sentence = "the device is gone: check its cable and power"};
     for (int i = 0; i < 3; ++i) {
@@ -197,7 +212,7 @@ TEST_CASE("in trouble the screen waits, and goes on with a press after the devic
     CHECK(rig.screen.trouble({.sentence = "another"}) == Signal::abort);
 }
 
-TEST_CASE("the console says what happened, what to do, and what follows", "[console][fault]") {
+TEST_CASE("the console says what happened, what to do, and what follows") {
     CHECK(fault_text({.cause = engine::Trip::over_speed, .text = {}, .last = {}}) ==
           "fault: " + std::string(explanation(engine::Trip::over_speed)));
     CHECK_THAT(fault_text({.cause = engine::Trip::device_lost, .text = "It is gone.", .last = {}}),
@@ -209,32 +224,7 @@ TEST_CASE("the console says what happened, what to do, and what follows", "[cons
                Has("Ctrl+Shift+P"));
 }
 
-namespace {
-
-/// Those that say numbers, and how many.
-constexpr std::pair<std::string_view ui::Words::*, int> kNumbers[] = {
-    {&ui::Words::trials, 1},
-    {&ui::Words::practice_first, 2},
-    {&ui::Words::trial, 2},
-    {&ui::Words::practice_trial, 2},
-    {&ui::Words::choose, 1},
-    {&ui::Words::choose_level, 1},
-    {&ui::Words::next_trial, 2},
-    {&ui::Words::next_practice, 2},
-    {&ui::Words::wait, 1},
-    {&ui::Words::marked, 2},
-    {&ui::Words::practice_marked, 2},
-};
-
-/// Every sentence: the words are nothing else.
-auto sentences_of(const ui::Words& words) {
-    return std::bit_cast<
-        std::array<std::string_view, sizeof(ui::Words) / sizeof(std::string_view)>>(words);
-}
-
-}  // namespace
-
-TEST_CASE("every sentence of every language is there and says its numbers", "[words][law]") {
+TEST_CASE("every sentence of every language is there and says its numbers") {
     const Language language = GENERATE(Language::en, Language::tr);
     const ui::Words& words = ui::words_in(language);
     for (const std::string_view sentence : sentences_of(words)) {
@@ -251,8 +241,7 @@ TEST_CASE("every sentence of every language is there and says its numbers", "[wo
     CHECK(ui::words_in(Language::en).welcome != ui::words_in(Language::tr).welcome);
 }
 
-TEST_CASE("what a trip says is said in the screen's language, and other sentences as they are",
-          "[words][law]") {
+TEST_CASE("what a trip says is said in the screen's language, and other sentences as they are") {
     for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
         const std::string_view english = explanation(static_cast<engine::Trip>(i));
         const std::string_view turkish = ui::trip_in(Language::tr, english);
@@ -278,8 +267,7 @@ TEST_CASE("what a trip says is said in the screen's language, and other sentence
           "the board at /dev/one is gone");
 }
 
-TEST_CASE("no sentence of the participant's screen gives away the experimenter's chords",
-          "[words][law]") {
+TEST_CASE("no sentence of the participant's screen gives away the experimenter's chords") {
     const Language language = GENERATE(Language::en, Language::tr);
     const auto words = sentences_of(ui::words_in(language));
     std::vector<std::string_view> sentences(words.begin(), words.end());

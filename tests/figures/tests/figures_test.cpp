@@ -6,7 +6,6 @@
 // The thesis' figures, and the laws of contact read off the tables that are written beside them.
 
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -79,8 +78,7 @@ void check_friction(const Columns& run, const std::string& law) {
 
 }  // namespace
 
-TEST_CASE("every figure of the thesis is a well-formed picture with tables, twice the same",
-          "[figures][law]") {
+TEST_CASE("every figure of the thesis is a well-formed picture with tables, twice the same") {
     std::set<std::string> names;
     for (const NamedFigure& figure : thesis_figures()) {
         CAPTURE(figure.name);
@@ -103,7 +101,7 @@ TEST_CASE("every figure of the thesis is a well-formed picture with tables, twic
     }
 }
 
-TEST_CASE("the thirteen instants of the path are found and come in order", "[figures]") {
+TEST_CASE("the thirteen instants of the path are found and come in order") {
     const Columns markers = table_of("fig_3_2_2", "_markers");
     const auto& ours = markers.at("gos_time_s");
     REQUIRE(ours.size() == 13);
@@ -122,15 +120,13 @@ TEST_CASE("the thirteen instants of the path are found and come in order", "[fig
     }
 }
 
-TEST_CASE("friction in the figures stays in its cone and mu relaxes between its two values",
-          "[figures][law]") {
+TEST_CASE("friction in the figures stays in its cone and mu relaxes between its two values") {
     check_friction(table_of("fig_3_2_2"), "gos_");
     check_friction(table_of("fig_3_2_7"), "");
     check_friction(table_of("fig_3_3_1"), "");
 }
 
-TEST_CASE("pressed deeper, friction keeps its value within 5 percent while the load rises",
-          "[figures][law]") {
+TEST_CASE("pressed deeper, friction keeps its value within 5 percent while the load rises") {
     const Columns run = table_of("fig_3_2_2");
     const std::vector<double> at = table_of("fig_3_2_2", "_markers").at("gos_time_s");
     const auto& friction = run.at("gos_friction_n");
@@ -144,8 +140,7 @@ TEST_CASE("pressed deeper, friction keeps its value within 5 percent while the l
     CHECK(normal[to] > 1.4 * normal[from]);
 }
 
-TEST_CASE("the god-object stands while stuck, and the force is K times what parts it from HIP",
-          "[figures][law]") {
+TEST_CASE("the god-object stands while stuck, and the force is K times what parts it from HIP") {
     const Columns path = table_of("fig_3_2_1");
     const Columns forces = table_of("fig_3_2_2");
     const auto& mode = path.at("mode");
@@ -169,8 +164,7 @@ TEST_CASE("the god-object stands while stuck, and the force is K times what part
     }
 }
 
-TEST_CASE("over the corner the closest point changes curves while the god-object still sticks",
-          "[figures][law]") {
+TEST_CASE("over the corner the closest point changes curves while the god-object still sticks") {
     const Columns run = table_of("fig_3_2_4");
     const std::vector<double> at = table_of("fig_3_2_4", "_markers").at("gos_time_s");
     const std::size_t from = tick_at(run, at[10]);
@@ -182,7 +176,7 @@ TEST_CASE("over the corner the closest point changes curves while the god-object
     CHECK(run.at("gos_go_curve").back() == 1.0);
 }
 
-TEST_CASE("outside the god-object of the figures is the closest point", "[figures][law]") {
+TEST_CASE("outside the god-object of the figures is the closest point") {
     const Columns run = table_of("fig_3_2_4");
     const auto& mode = run.at("gos_mode");
     int free = 0;
@@ -196,8 +190,7 @@ TEST_CASE("outside the god-object of the figures is the closest point", "[figure
     CHECK(free > 500);
 }
 
-TEST_CASE("force in the figure of touches is the stiffness times the depth, and none outside",
-          "[figures][law]") {
+TEST_CASE("force in the figure of touches is the stiffness times the depth, and none outside") {
     const Columns run = table_of("fig_2_1_8");
     int touches = 0;
     for (std::size_t i = 0; i < run.at("time_s").size(); ++i) {
@@ -211,8 +204,7 @@ TEST_CASE("force in the figure of touches is the stiffness times the depth, and 
 }
 
 TEST_CASE(
-    "stiction in the figure is mu_s at break-away and mu_d beyond, Stribeck's law its formula",
-    "[figures][law]") {
+    "stiction in the figure is mu_s at break-away and mu_d beyond, Stribeck's law its formula") {
     const Columns curves = table_of("fig_3_1_1");
     const auto& speed = curves.at("speed_m_per_s");
     for (std::size_t i = 0; i < speed.size(); ++i) {
@@ -230,8 +222,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "held at a corner, the god-object stands on the first curve while HIP is in another region",
-    "[figures][law]") {
+    "held at a corner, the god-object stands on the first curve while HIP is in another region") {
     const Columns run = table_of("fig_3_1_4");
     const auto& mode = run.at("mode");
     const std::size_t last =
@@ -249,7 +240,7 @@ TEST_CASE(
                      run.at("cp_y_m")[last] - run.at("go_y_m")[last]) > 1e-3);
 }
 
-TEST_CASE("without friction the force is the stiffness times the depth", "[figures][law]") {
+TEST_CASE("without friction the force is the stiffness times the depth") {
     const Columns press = table_of("fig_2_1_6");
     for (const int k : {100, 500, 1000}) {
         const auto& force = press.at("force_at_" + std::to_string(k) + "_n_per_m_n");
@@ -259,7 +250,7 @@ TEST_CASE("without friction the force is the stiffness times the depth", "[figur
     }
 }
 
-TEST_CASE("external Voronoi borders are the normals at the curves' ends", "[figures][law]") {
+TEST_CASE("external Voronoi borders are the normals at the curves' ends") {
     const Columns borders = table_of("fig_2_1_4");
     const Columns points = table_of("fig_2_1_4", "_object");
     const auto& x = points.at("control_x_m");
@@ -289,7 +280,7 @@ TEST_CASE("external Voronoi borders are the normals at the curves' ends", "[figu
     CHECK(pairs.size() == 9);  // six normals, three bisectors
 }
 
-TEST_CASE("the certified closest point is nearer than any tracker's", "[figures][law]") {
+TEST_CASE("the certified closest point is nearer than any tracker's") {
     const Columns run = table_of("fig_2_1_2");
     for (std::size_t i = 0; i < run.at("time_s").size(); ++i) {
         const auto distance = [&](const std::string& name) {
@@ -306,8 +297,7 @@ TEST_CASE("the certified closest point is nearer than any tracker's", "[figures]
 
 TEST_CASE(
     "over the edge of four surfaces the god-object visits them in turn, and the slew spares the "
-    "hand the step",
-    "[figures][law]") {
+    "hand the step") {
     const Columns run = table_of("fig_3_1_2_patches");
     const auto step = [&](const std::string& force, std::size_t k) {
         double sum = 0.0;
@@ -338,7 +328,7 @@ TEST_CASE(
     CHECK(slewed < 0.25 * plain);
 }
 
-TEST_CASE("the recorded stick-slip transition takes 95 ms", "[figures]") {
+TEST_CASE("the recorded stick-slip transition takes 95 ms") {
     const Columns run = table_of("fig_3_3_1");
     const auto& mode = run.at("mode");
     const auto ticks = std::count(mode.begin(), mode.end(), 3.0);
@@ -346,7 +336,7 @@ TEST_CASE("the recorded stick-slip transition takes 95 ms", "[figures]") {
     CHECK(ticks <= 97);
 }
 
-TEST_CASE("a diagram without the node that an arrow names is refused", "[figures]") {
+TEST_CASE("a diagram without the node that an arrow names is refused") {
     Diagram diagram{.title = "a", .nodes = {{"one", "", 50.0, 50.0}}, .transitions = {{0, 1}}};
     CHECK_THROWS_AS(svg(diagram), std::invalid_argument);
     diagram.transitions = {{0, 0, "a < b & c"}};
@@ -355,7 +345,7 @@ TEST_CASE("a diagram without the node that an arrow names is refused", "[figures
     CHECK_THROWS_AS(svg(diagram), std::invalid_argument);
 }
 
-TEST_CASE("palpate figures without its program names it and writes nothing", "[figures]") {
+TEST_CASE("palpate figures without its program names it and writes nothing") {
     const TemporaryFolder folder;
     std::filesystem::copy_file(palpate_program(), folder.file("palpate"));
     const auto done = Process({folder.file("palpate"), "figures", "-o", folder.file("x")}).wait();
@@ -364,7 +354,7 @@ TEST_CASE("palpate figures without its program names it and writes nothing", "[f
     CHECK(folder.names() == std::vector<std::string>{"palpate"});
 }
 
-TEST_CASE("palpate figures makes its folder and names every file that it wrote", "[figures]") {
+TEST_CASE("palpate figures makes its folder and names every file that it wrote") {
     const TemporaryFolder folder;
     const std::string output = folder.file("a/b");
     const Finished done = ran({"figures", "-o", output});

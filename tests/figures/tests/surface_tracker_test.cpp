@@ -6,7 +6,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -21,8 +20,7 @@ std::shared_ptr<const SurfaceObject> object_of(const std::vector<SurfaceData>& p
 
 TEST_CASE(
     "outside of a box the thesis' tracker comes to rest on its closest point, over edges and "
-    "corners",
-    "[thesis][surface][law]") {
+    "corners") {
     SEEDED(random, std::uint64_t{8});
     const Vec3 half{random.in(0.02, 0.04), random.in(0.02, 0.04), random.in(0.02, 0.04)};
     const auto box = object_of(box_sides(half, random));
@@ -47,8 +45,7 @@ TEST_CASE(
 
 TEST_CASE(
     "over joined surfaces the thesis' tracker lags behind a hand by what its gain says, and "
-    "Newton's hardly",
-    "[thesis][surface][law]") {
+    "Newton's hardly") {
     SEEDED(random, std::uint64_t{6});
     const SurfaceData whole = bicubic_8x8(random, 0.0);
     const auto four = object_of(quarters(whole, 2.4, 2.7, random));
@@ -77,7 +74,7 @@ TEST_CASE(
     CHECK(newton < 1e-9);
 }
 
-TEST_CASE("a surface's tracker refuses what it does not have", "[thesis][surface]") {
+TEST_CASE("a surface's tracker refuses what it does not have") {
     const auto sheet = object_of({plane(0.05)});
     const auto with = [&](const TrackerSpec& spec) {
         return SurfaceTracker(sheet, spec);

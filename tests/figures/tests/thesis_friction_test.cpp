@@ -7,7 +7,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -86,7 +85,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("Algorithm 1 sticks to mu_s and then slips", "[thesis]") {
+TEST_CASE("Algorithm 1 sticks to mu_s and then slips") {
     Hand hand(edge(ThesisLaw::literal));
     hand.press(0.0, 4.0);
     CHECK(hand.last().mode == Mode::stuck);
@@ -103,8 +102,7 @@ TEST_CASE("Algorithm 1 sticks to mu_s and then slips", "[thesis]") {
     CHECK(-hand.last().ft == max);
 }
 
-TEST_CASE("a step press while slipping leaves friction at 1.6 times the load for good",
-          "[thesis]") {
+TEST_CASE("a step press while slipping leaves friction at 1.6 times the load for good") {
     // friction.md section 2, item 4: press from 4 to 6.4 N, then drag: F_f = 10.24 N, ratio 1.60.
     constexpr double kSpeed = 0.04;
     Hand hand(edge(ThesisLaw::literal));
@@ -135,8 +133,7 @@ TEST_CASE("a step press while slipping leaves friction at 1.6 times the load for
     CHECK(hand.last().ft == Approx(then).epsilon(1e-6));  // permanent
 }
 
-TEST_CASE("at each reversal friction falls to nothing in one tick, by 2.03 N at 4 N of load",
-          "[thesis]") {
+TEST_CASE("at each reversal friction falls to nothing in one tick, by 2.03 N at 4 N of load") {
     Hand hand(edge(ThesisLaw::literal));
     hand.press(-0.02, 4.0);
     hand.reset();
@@ -148,8 +145,7 @@ TEST_CASE("at each reversal friction falls to nothing in one tick, by 2.03 N at 
     CHECK(hand.returned() < 0.00393);
 }
 
-TEST_CASE("a dead band of 1 mm/s hides the reversal, and friction then drives the motion",
-          "[thesis]") {
+TEST_CASE("a dead band of 1 mm/s hides the reversal, and friction then drives the motion") {
     Hand hand(edge(ThesisLaw::literal, 0.001));
     hand.press(-0.02, 4.0);
     hand.reset();
@@ -162,7 +158,7 @@ TEST_CASE("a dead band of 1 mm/s hides the reversal, and friction then drives th
     CHECK(hand.returned() < 0.100);
 }
 
-TEST_CASE("resting the hand takes all friction away", "[thesis]") {
+TEST_CASE("resting the hand takes all friction away") {
     Hand hand(edge(ThesisLaw::literal));
     hand.press(0.0, 4.0);
     hand.drag(0.02, 0.5);
@@ -180,8 +176,7 @@ TEST_CASE("resting the hand takes all friction away", "[thesis]") {
     CHECK(std::fabs(held.last().ft) < 1e-9);
 }
 
-TEST_CASE("the literal test for slip to stuck asks for 1.4 times the load within one tick",
-          "[thesis]") {
+TEST_CASE("the literal test for slip to stuck asks for 1.4 times the load within one tick") {
     const auto pressed = [](double ratio) {
         Hand hand(edge(ThesisLaw::literal));
         hand.press(-0.1, 4.0);
@@ -203,7 +198,7 @@ TEST_CASE("the literal test for slip to stuck asks for 1.4 times the load within
     CHECK_FALSE(fired);
 }
 
-TEST_CASE("read as the load when slipping began, it fires at 1.4 times 5 N", "[thesis]") {
+TEST_CASE("read as the load when slipping began, it fires at 1.4 times 5 N") {
     // friction.md section 2, item 2: fires at 7.008 N. Pressed at 8 mm/s, the first tick above 7 N.
     Hand hand(edge(ThesisLaw::latched));
     hand.press(-0.1, 5.0);
@@ -222,7 +217,7 @@ TEST_CASE("read as the load when slipping began, it fires at 1.4 times 5 N", "[t
     CHECK(hand.last().ft == Approx(at_switch).margin(1e-9));
 }
 
-TEST_CASE("the modulated coefficient never settles at mu_d, and rises with speed", "[thesis]") {
+TEST_CASE("the modulated coefficient never settles at mu_d, and rises with speed") {
     // Item 13: mu = mu_d + (mu_s - mu_d) lag / Psi_0, the opposite of Stribeck.
     double before = kMuD;
     for (const double speed : {0.01, 0.02, 0.04, 0.08}) {
@@ -239,7 +234,7 @@ TEST_CASE("the modulated coefficient never settles at mu_d, and rises with speed
     }
 }
 
-TEST_CASE("with a tracker that converges at once the transition lasts one tick", "[thesis]") {
+TEST_CASE("with a tracker that converges at once the transition lasts one tick") {
     Hand hand(ThesisScene({line({-0.2, 0.0}, {0.2, 0.0})}, false,
                           {.tracker = {.kind = TrackerKind::newton}}));
     hand.press(0.0, 4.0);
@@ -249,7 +244,7 @@ TEST_CASE("with a tracker that converges at once the transition lasts one tick",
     CHECK(hand.jump() > 0.75);  // (mu_s - mu_d) F_N = 0.8 N in a tick, less one tick of drag
 }
 
-TEST_CASE("break-away past a corner puts GO on the next curve, and the force jumps", "[thesis]") {
+TEST_CASE("break-away past a corner puts GO on the next curve, and the force jumps") {
     constexpr double kTurn = 22.0 * M_PI / 180.0;
     constexpr double kDepth = 0.008;
     const Vec2 t2{std::cos(kTurn), -std::sin(kTurn)};

@@ -5,7 +5,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -37,8 +36,7 @@ std::vector<TrackedFoot> feet_of(const std::vector<NurbsCurve<2>>& chain, const 
 
 }  // namespace
 
-TEST_CASE("outside a convex vertex nearest features give the thesis' borders, the end normals",
-          "[thesis][law]") {
+TEST_CASE("outside a convex vertex nearest features give the thesis' borders, the end normals") {
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
@@ -59,8 +57,7 @@ TEST_CASE("outside a convex vertex nearest features give the thesis' borders, th
     }
 }
 
-TEST_CASE("inside a convex vertex nearest features meet on the bisector, end normals overlap",
-          "[thesis][law]") {
+TEST_CASE("inside a convex vertex nearest features meet on the bisector, end normals overlap") {
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
@@ -78,8 +75,7 @@ TEST_CASE("inside a convex vertex nearest features meet on the bisector, end nor
     }
 }
 
-TEST_CASE("inside and outside at vertices are those of the half-planes, convex and concave",
-          "[thesis][law]") {
+TEST_CASE("inside and outside at vertices are those of the half-planes, convex and concave") {
     SEEDED(random, 300U);
     const double turn = random.in(-1.5, 1.5);
     const auto chain = roof(turn);
@@ -92,7 +88,7 @@ TEST_CASE("inside and outside at vertices are those of the half-planes, convex a
           (turn > 0.0 ? below && behind : below || behind));
 }
 
-TEST_CASE("a closed chain has an inside everywhere, an open end has none beyond", "[thesis]") {
+TEST_CASE("a closed chain has an inside everywhere, an open end has none beyond") {
     const auto chain = triangle();
     const RegionSwitch regions(chain, true, RegionRule::nearest_feature);
     CHECK(regions.after(2) == std::size_t{0});
@@ -113,7 +109,7 @@ TEST_CASE("a closed chain has an inside everywhere, an open end has none beyond"
     CHECK_FALSE(ends.before(0).has_value());
 }
 
-TEST_CASE("a chain is refused when ends do not meet or when it runs the wrong way", "[thesis]") {
+TEST_CASE("a chain is refused when ends do not meet or when it runs the wrong way") {
     const auto make = [](std::vector<NurbsCurve<2>> chain, bool closed) {
         return RegionSwitch(chain, closed, RegionRule::nearest_feature);
     };

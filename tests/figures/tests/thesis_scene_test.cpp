@@ -8,7 +8,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -41,10 +40,8 @@ const TrackerSpec kNewton{.kind = TrackerKind::newton, .iterations = 3};
 
 }  // namespace
 
-TEST_CASE("with an exact tracker the frictionless thesis scene is K times the penetration",
-          "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(5U));
-    CAPTURE(seed);
+TEST_CASE("with an exact tracker the frictionless thesis scene is K times the penetration") {
+    SEED(5U);
     const auto curves = two_cubics();
     const ThesisScene scene = scene_of(ThesisLaw::frictionless, kNewton);
     ThesisState state;
@@ -63,7 +60,7 @@ TEST_CASE("with an exact tracker the frictionless thesis scene is K times the pe
     CHECK(touching > 1000);
 }
 
-TEST_CASE("a lagging tracker is felt as drag without friction", "[thesis]") {
+TEST_CASE("a lagging tracker is felt as drag without friction") {
     const ThesisScene scene = scene_of(ThesisLaw::frictionless,
                                        {.gain = feedback_gain(two_cubics()[0], 0.04, kSceneTick)});
     ThesisState state;
@@ -74,9 +71,8 @@ TEST_CASE("a lagging tracker is felt as drag without friction", "[thesis]") {
     CHECK(max > 0.5);  // N, at 1000 N/m: the point lags by more than half a millimetre
 }
 
-TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(5U));
-    CAPTURE(seed);
+TEST_CASE("no contact, no force: and a stuck GO rests but for its seating") {
+    SEED(5U);
     for (const ThesisLaw law : kLaws) {
         const ThesisScene scene = scene_of(law, kNewton);
         ThesisState state;
@@ -98,7 +94,7 @@ TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[th
     }
 }
 
-TEST_CASE("finite in, finite out, for every law, tracker and region rule", "[thesis][law]") {
+TEST_CASE("finite in, finite out, for every law, tracker and region rule") {
     SEEDED(random, 12U);
     for (const ThesisLaw law : kLaws) {
         for (const TrackerKind kind :
@@ -123,8 +119,7 @@ TEST_CASE("finite in, finite out, for every law, tracker and region rule", "[the
     }
 }
 
-TEST_CASE("a thesis scene repeats to the bit, can be copied mid-way and allocates nothing",
-          "[thesis][law]") {
+TEST_CASE("a thesis scene repeats to the bit, can be copied mid-way and allocates nothing") {
     for (const ThesisLaw law : kLaws) {
         const ThesisScene scene =
             scene_of(law, {.gain = feedback_gain(two_cubics()[0], 0.5, kSceneTick)});
@@ -147,8 +142,7 @@ TEST_CASE("a thesis scene repeats to the bit, can be copied mid-way and allocate
     }
 }
 
-TEST_CASE("a HIP that is not finite ends the thesis contact, and the next tick is sane",
-          "[thesis]") {
+TEST_CASE("a HIP that is not finite ends the thesis contact, and the next tick is sane") {
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(),
                                 std::numeric_limits<double>::infinity(), 1e10);
     for (const ThesisLaw law : kLaws) {
@@ -167,7 +161,7 @@ TEST_CASE("a HIP that is not finite ends the thesis contact, and the next tick i
     }
 }
 
-TEST_CASE("a thesis scene refuses bad numbers", "[thesis]") {
+TEST_CASE("a thesis scene refuses bad numbers") {
     const auto make = [](const ThesisSpec& spec) {
         return ThesisScene(two_cubics(), false, spec);
     };

@@ -4,7 +4,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -12,8 +11,7 @@ constexpr double kStep = 0.001;
 
 }  // namespace
 
-TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous time only",
-          "[thesis]") {
+TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous time only") {
     constexpr double kReach = 0.05;
     constexpr double kSpeed = 0.5;
     constexpr double kEpsilon = 0.001;
@@ -39,8 +37,7 @@ TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous
     CHECK(worst(1) > 0.05);       // factor 50: from one end of the edge to the other
 }
 
-TEST_CASE("on a convex curve the theorem's gain keeps the projection error below epsilon",
-          "[thesis]") {
+TEST_CASE("on a convex curve the theorem's gain keeps the projection error below epsilon") {
     constexpr double kEpsilon = 0.001;
     constexpr double kSpeed = 0.3;
     constexpr double kReach = 0.01;  // |HIP - test point| here, checked below

@@ -7,7 +7,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 namespace {
 
@@ -59,7 +58,7 @@ double p99(const TrackerSpec& spec) {
 
 }  // namespace
 
-TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[thesis]") {
+TEST_CASE("a tracker refuses numbers out of range, with value and remedy") {
     const NurbsCurve<2> curve = line({0.0, 0.0}, {1.0, 0.0});
     const auto make = [&](const TrackerSpec& spec) {
         return CurveTracker(curve, spec);
@@ -75,8 +74,7 @@ TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[the
 }
 
 TEST_CASE(
-    "the sampled stability limit of the feedback tracker is 2 over T times the second derivative",
-    "[thesis][law]") {
+    "the sampled stability limit of the feedback tracker is 2 over T times the second derivative") {
     SEEDED(random, 60U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
@@ -87,7 +85,7 @@ TEST_CASE(
     CHECK(stability_limit_ratio(curve, u, hip, kTrackerPeriod) == Approx(1.0).margin(0.001));
 }
 
-TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {
+TEST_CASE("beyond the centre of curvature no gain is stable") {
     const NurbsCurve<2> curve =
         bezier({{-0.01, 0.0}, {0.0, 0.02}, {0.01, 0.0}});  // radius 5 mm at 1/2
     const Vec2 centre{0.0, 0.005};
@@ -98,8 +96,7 @@ TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {
     CHECK(2.0 / (kTrackerPeriod * 0.02 * 0.02) / above == Approx(1.6).epsilon(1e-12));
 }
 
-TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gauss-Newton step",
-          "[thesis][law]") {
+TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gauss-Newton step") {
     SEEDED(random, 200U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
@@ -121,7 +118,7 @@ TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gau
     CHECK(b.plane_u == Approx(gauss_newton).margin(1e-14));  // a refresh is the same step
 }
 
-TEST_CASE("the linearised law of gain 1 over T is one Newton step", "[thesis][law]") {
+TEST_CASE("the linearised law of gain 1 over T is one Newton step") {
     SEEDED(random, 200U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
@@ -136,8 +133,7 @@ TEST_CASE("the linearised law of gain 1 over T is one Newton step", "[thesis][la
     CHECK(a.u == Approx(b.u).margin(1e-14));
 }
 
-TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-forward has none",
-          "[thesis]") {
+TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-forward has none") {
     constexpr double kLength = 0.1;
     constexpr double kSpeed = 0.05;
     constexpr double kLambda = 40.0;  // 1/s
@@ -161,7 +157,7 @@ TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-
     CHECK(carried.depth == Approx(-0.002));
 }
 
-TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "[thesis]") {
+TEST_CASE("feedback errors fall with the loop gain until it leaves its limit") {
     const auto curves = two_cubics();
     const auto error = [&](double kappa) {
         return p99({.gain = feedback_gain(curves[0], kappa, kTrackerPeriod)});
@@ -181,8 +177,7 @@ TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "
     CHECK((held > 1e-5 && held < 1e-3));  // 3.6e-5
 }
 
-TEST_CASE("trackers turn any finite input into finite output, and take nothing from the heap",
-          "[thesis][law]") {
+TEST_CASE("trackers turn any finite input into finite output, and take nothing from the heap") {
     SEEDED(random, 60U);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 1.0);
     const NurbsCurve<2> curve(data.degree, data.knots, data.points, data.weights);

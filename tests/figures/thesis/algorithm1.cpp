@@ -1,8 +1,5 @@
 #include "tests/figures/thesis/algorithm1.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {

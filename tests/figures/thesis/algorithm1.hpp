@@ -1,9 +1,8 @@
 #pragma once
 
-#include <cstdint>
-
 #include "engine/geometry/vec.hpp"
 #include "engine/rendering/mode.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::figures {
 
@@ -61,15 +60,14 @@ struct Algorithm1Force {
 
 /// The thesis' Algorithm 1 (3.1.1), one tick at a time, kept as the history that it is.
 ///
-/// Kept on purpose, though each breaks a promise of the thesis (numbers: tests/engine/
-/// thesis_friction_test.cpp):
+/// Kept on purpose, though each breaks a promise of the thesis (numbers:
+/// tests/figures/tests/thesis_friction_test.cpp):
 ///  - F_offset is added in STATIC but not tested, so |F_f| may exceed mu_s F_N while stuck; it
-///  stays
-///    and is added again to mu F_N in DYNAMIC, so |F_f| may exceed mu_s F_N for good.
+///    stays and is added again to mu F_N in DYNAMIC, so |F_f| may exceed mu_s F_N for good.
 ///  - F_f keeps its old value on the tick of break-away and on those of slip -> stuck.
 ///  - GO := CP when HIP's tangential velocity changes sign or stops: friction falls to 0 in one
-///  tick.
-///    A dead band hides that, and then friction pushes along with a motion that has turned round.
+///    tick. A dead band hides that, and then friction pushes along with a motion that has turned
+///    round.
 ///  - The direction of dynamic friction is that of the break-away; velocity never turns it.
 ///  - mu = mu_d + (mu_s - mu_d) min(1, |Psi| / Psi_0), Psi_0 that of the break-away: a tracker that
 ///    lags by v / lambda keeps mu above mu_d for good, more so the faster it goes (against

@@ -1,10 +1,5 @@
 #include "tests/figures/thesis/curve_tracker.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {

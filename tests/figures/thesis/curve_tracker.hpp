@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <string_view>
-
 #include "engine/geometry/nurbs_curve.hpp"
+#include "tests/support/std.hpp"
 
 /// The thesis' own ways to find the closest point, kept so that their difference to the certified
 /// one (engine/contact) can be seen, measured and felt. Nothing here is used unless chosen by name.
@@ -110,7 +108,7 @@ private:
 ///     K_crit = 2 / (T (|f'|^2 + (f - h) . f''))
 ///
 /// from the factor 1 - K T c by which a small error is multiplied every tick. Measured by bisection
-/// to 1e-3 in tests/engine/thesis_tracker_test.cpp. 0 where c <= 0: there u is no minimum of the
+/// to 1e-3 in tests/figures/tests/thesis_tracker_test.cpp. 0 where c <= 0: there u is no minimum of the
 /// distance and every gain leaves it. @param period T, s, > 0
 [[nodiscard]] double critical_gain(const NurbsCurve<2>& curve,
                                    double u,

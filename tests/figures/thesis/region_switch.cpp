@@ -1,8 +1,5 @@
 #include "tests/figures/thesis/region_switch.hpp"
 
-#include <stdexcept>
-#include <string>
-
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {

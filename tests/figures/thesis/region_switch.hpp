@@ -1,11 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "tests/figures/thesis/curve_tracker.hpp"
 
 namespace palpate::figures {

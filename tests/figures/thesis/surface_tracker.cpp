@@ -1,11 +1,5 @@
 #include "tests/figures/thesis/surface_tracker.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-#include <string>
-
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {

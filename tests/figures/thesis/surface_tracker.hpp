@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-
 #include "engine/surface/surface_object.hpp"
 #include "tests/figures/thesis/curve_tracker.hpp"
 

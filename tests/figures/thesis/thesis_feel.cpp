@@ -1,5 +1,3 @@
-#include <memory>
-
 #include "ui/cli/scene_tools.hpp"
 #include "tests/figures/thesis/thesis_scene.hpp"
 

@@ -1,10 +1,5 @@
 #include "tests/figures/thesis/thesis_scene.hpp"
 
-#include <cmath>
-#include <span>
-#include <stdexcept>
-#include <string>
-
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {

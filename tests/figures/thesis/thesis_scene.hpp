@@ -1,11 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "tests/figures/thesis/algorithm1.hpp"
 #include "tests/figures/thesis/region_switch.hpp"
 
