@@ -1,6 +1,7 @@
 #include "engine/friction/cone_slide.hpp"
 
 #include "engine/friction/first_root.hpp"
+#include "engine/geometry/arc_length.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -224,11 +225,43 @@ private:
         return true;
     }
 
-    /// Pieces are nearly straight: the chord is the way.
+    /// Takes the way of a slide from the budget. @return false if the budget ends on it: the spot
+    /// is there then
     bool pays(const Spot& before) noexcept {
-        return pays_way(curve_, task_, before, spot_, used_, [&before](const Spot& spot) {
-            return glm::length(spot.jet.point - before.jet.point);
-        });
+        const double left = std::max(task_.budget - used_, 0.0);
+        const double way = way_along(curve_, {before.u, before.rest}, {spot_.u, spot_.rest});
+        if (way <= left) {
+            used_ += way;
+            return true;
+        }
+        spot_ = place_along(before, left, way);
+        used_ = task_.budget;
+        return false;
+    }
+
+    /// The place `left` m along the way from a spot to this one, by Newton's steps between two
+    /// places that enclose it. @param way  all of it, m
+    [[nodiscard]] Spot place_along(const Spot& before, double left, double way) const noexcept {
+        constexpr int kMaxSteps = 40;
+        constexpr double kNear = 1e-13;  // of the whole way
+        const Parameter from{before.u, before.rest};
+        const Parameter to{spot_.u, spot_.rest};
+        double lo = 0.0;  // shares of what the parameter goes by
+        double hi = 1.0;
+        double share = left / way;
+        Spot at = before;
+        for (int i = 0; i < kMaxSteps; ++i) {
+            const Parameter there = between(from, to, share);
+            at = spot_at(curve_, there.u, there.rest);
+            const double over = way_along(curve_, from, there) - left;
+            if (std::fabs(over) <= kNear * way) {
+                break;
+            }
+            (over < 0.0 ? lo : hi) = share;
+            const double newton = share - over / (distance(from, to) * glm::length(at.jet.first));
+            share = newton > lo && newton < hi ? newton : 0.5 * (lo + hi);
+        }
+        return at;
     }
 
     const SlideTask& task_;
