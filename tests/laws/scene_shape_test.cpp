@@ -101,6 +101,25 @@ TEST_CASE("an outline that crosses itself is refused with the place of the cross
     both_say(lines_through(zigzag, {1.5 * size, -0.4 * size}), "", kPlanePoints);
 }
 
+TEST_CASE("curves that cross beside their vertex are refused, however near to each other",
+          "[cli][law]") {
+    // Out along the axis and back below it: where the way back begins above the axis and crosses
+    // it, half a micrometre or less lies between, but a wedge beyond the tip, of any length, would
+    // push a hand in free air.
+    const auto spike = [](double bend) {
+        return fmt::format(
+            "[[segment]]\nkind = \"line\"\nfrom_m = [-0.03, 0]\nto_m = [0.03, 0]\n[[segment]]\n"
+            "kind = \"nurbs\"\ndegree = 2\nknots = [0, 0, 0, 1, 1, 1]\n"
+            "points_m = [[0.03, 0], [0.0275, {}], [-0.03, -0.02]]\n"
+            "[[segment]]\nkind = \"line\"\nfrom_m = [-0.03, -0.02]\nto_m = [-0.03, 0]\n",
+            bend);
+    };
+    both_say(spike(-1e-4), "", kPlanePoints);
+    for (const double bend : {3e-4, 1e-4, 1e-5, 1e-6}) {
+        both_say(spike(bend), "1:1: the outline meets itself near [", kPlanePoints);
+    }
+}
+
 TEST_CASE("a surface with a collapsed span is refused, however it lies in space",
           "[cli][surface][law]") {
     SEEDED(random, 4U, 2906U);
