@@ -60,15 +60,13 @@ Verdict verdict(const SlideTask& task, std::size_t piece, const Spot& spot) noex
 }
 
 template <bool HasFriction>
-class Slider {
-public:
-    Slider(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept
-        : task_(task),
-          curve_(task.forms.outline().spans()[task.span]),
-          spot_(spot),
-          proof_(proof),
-          used_(used),
-          mu_(HasFriction ? task.mu : 0.0) {}
+struct Slider {
+    const SlideTask& task_;
+    Spot& spot_;
+    FallProof& proof_;
+    double& used_;
+    const RationalBezier<2>& curve_ = task_.forms.outline().spans()[task_.span];
+    double mu_ = HasFriction ? task_.mu : 0.0;
 
     SlideEnd run() noexcept {
         const bool limited = task_.budget < std::numeric_limits<double>::infinity();
@@ -95,7 +93,6 @@ public:
         }
     }
 
-private:
     /// Mostly that of the last proof.
     [[nodiscard]] std::size_t first_piece() const noexcept {
         const ConeForms::Piece& last = task_.forms[proof_.piece];
@@ -263,13 +260,6 @@ private:
         }
         return at;
     }
-
-    const SlideTask& task_;
-    const RationalBezier<2>& curve_;
-    Spot& spot_;
-    FallProof& proof_;
-    double& used_;
-    double mu_;
 };
 
 }  // namespace
@@ -283,7 +273,7 @@ double direction_by_forms(const SlideTask& task, const Spot& spot) noexcept {
 
 template <bool HasFriction>
 SlideEnd slide_to_cone(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept {
-    return Slider<HasFriction>(task, spot, proof, used).run();
+    return Slider<HasFriction>{task, spot, proof, used}.run();
 }
 
 template double direction_by_forms<true>(const SlideTask&, const Spot&) noexcept;
