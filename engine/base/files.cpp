@@ -239,16 +239,12 @@ void WholeText::finish() {
 void write_new(const std::filesystem::path& file, std::string_view text, Rights rights) {
     const mode_t mode = rights == Rights::own ? 0600 : 0666;
     const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    if (fd < 0 && errno == EEXIST) {
-        throw std::invalid_argument(fmt::format(
-            "{} is there already, and stays as it is: give another name", file.string()));
-    }
-    if (fd < 0) {
-        throw std::invalid_argument(fmt::format("{} cannot be written: {}; check the path",
-                                                file.string(),
-                                                std::generic_category().message(errno)));
-    }
-    int error = write_all(fd, text);
+    int error = fd < 0 ? errno : 0;
+    refuse_if(error == EEXIST, "{} is there already, and stays as it is: give another name",
+              file.string());
+    refuse_if(fd < 0, "{} cannot be written: {}; check the path", file.string(),
+              std::generic_category().message(error));
+    error = write_all(fd, text);
     if (error == 0 && ::fsync(fd) != 0) {
         error = errno;
     }

@@ -2,24 +2,18 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 #include <vector>
 
-#include <fmt/format.h>
+#include "engine/base/refuse.hpp"
 
 namespace palpate {
 void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
-                                    remedy);
-    }
+    refuse_if(!ok, "{} is {:.9g}: {}", what, value, remedy);
 }
 
 void require_range(double value, double lowest, double highest, const std::string& what) {
-    if (!(value >= lowest && value <= highest)) {
-        throw std::invalid_argument(what + " is " + number_text(value) + ": give " +
-                                    number_text(lowest) + " to " + number_text(highest));
-    }
+    refuse_if(!(value >= lowest && value <= highest), "{} is {:.9g}: give {:.9g} to {:.9g}", what,
+              value, lowest, highest);
 }
 
 std::string_view trimmed(std::string_view text, std::string_view of) noexcept {

@@ -15,11 +15,7 @@ BernsteinNet::Lowest BernsteinNet::lowest() const noexcept {
 }
 
 double BernsteinNet::highest() const noexcept {
-    double largest = g_[0];
-    for (std::size_t k = 1; k < count(); ++k) {
-        largest = std::max(largest, g_[k]);
-    }
-    return largest;
+    return *std::max_element(g_.data(), g_.data() + count());
 }
 
 bool BernsteinNet::convex(double noise) const noexcept {

@@ -139,7 +139,7 @@ ClosestPoint CertifiedTracker::search(TrackState& s, const Vec2& h) const noexce
 /// The nearest foot outside the first window gets a window of its own.
 void CertifiedTracker::open_rival(TrackState& s, const Vec2& h) const noexcept {
     const PieceTree<2>& tree = feet_.tree();
-    const Foot<2> foot = tree.closest_without(h, s.best.pieces);
+    const Foot<2> foot = tree.closest(h, s.best.pieces);
     if (!(foot.distance2 < std::numeric_limits<double>::infinity())) {
         return;
     }

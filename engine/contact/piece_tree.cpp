@@ -136,28 +136,16 @@ void PieceTree<D>::descend(const Vec<D>& h, const double& best2, Visit&& visit) 
 }
 
 template <int D>
-Foot<D> PieceTree<D>::closest(const Vec<D>& h, const Foot<D>& known) const noexcept {
-    Foot<D> best = known;
-    descend(h, best.distance2, [&](std::uint32_t i) {
-        const Piece<D>& piece = pieces_[i];
-        const double bound = piece.bound(h);
-        if (bound <= 0.0 || bound * bound < best.distance2) {
-            offer_piece(h, piece, best);
-        }
-    });
-    return best;
-}
-
-template <int D>
-Foot<D> PieceTree<D>::closest_without(const Vec<D>& h, const PieceRange& left_out) const noexcept {
+Foot<D> PieceTree<D>::closest(const Vec<D>& h, const PieceRange& left_out) const noexcept {
     Foot<D> best;
     descend(h, best.distance2, [&](std::uint32_t i) {
         if (left_out.holds(i, pieces_.size())) {
             return;
         }
-        const double bound = pieces_[i].bound(h);
+        const Piece<D>& piece = pieces_[i];
+        const double bound = piece.bound(h);
         if (bound <= 0.0 || bound * bound < best.distance2) {
-            offer_piece(h, pieces_[i], best);
+            offer_piece(h, piece, best);
         }
     });
     return best;

@@ -38,14 +38,9 @@ public:
     [[nodiscard]] const std::vector<RationalBezier<D>>& spans() const noexcept { return spans_; }
     [[nodiscard]] const Pieces<D>& pieces() const noexcept { return pieces_; }
 
-    /// Global closest point over all spans, end points included. Ties go to either.
-    /// @param known  a foot known already: the search looks only for nearer ones
-    [[nodiscard]] Foot<D> closest(const Vec<D>& h, const Foot<D>& known = {}) const noexcept;
-
-    /// The closest point of everything but `left_out`. Distance infinite when nothing else is
-    /// there.
-    [[nodiscard]] Foot<D> closest_without(const Vec<D>& h,
-                                          const PieceRange& left_out) const noexcept;
+    /// Global closest point over all spans, end points included, or of everything but `left_out`.
+    /// Ties go to either. Distance infinite when nothing is there.
+    [[nodiscard]] Foot<D> closest(const Vec<D>& h, const PieceRange& left_out = {}) const noexcept;
 
     /// Lower bound, m, of the distance from h to everything but two ranges of pieces. Infinite when
     /// nothing else is there.

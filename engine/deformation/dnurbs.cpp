@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -21,10 +23,6 @@ constexpr double kSettled = 1e-13;
 constexpr std::size_t kMaxPoints = 256;
 /// A pivot of K below this share of its largest entry is that of a motion which nothing resists.
 constexpr double kFree = 1e-12;
-/// Turns of an inverse iteration, and the relative change that ends it.
-constexpr int kMaxTurns = 1000;
-constexpr double kSteady = 1e-9;
-
 struct GaussPoint {
     double place = 0.0;  ///< in [-1, 1]
     double weight = 0.0;
@@ -87,49 +85,28 @@ DnurbsSpec checked(DnurbsSpec spec) {
     return spec;
 }
 
-bool all_equal(const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(),
-                       [&](double value) { return value == values.front(); });
-}
-
-bool close(const std::vector<double>& before, const std::vector<double>& now) {
-    double change = 0.0;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-        change = std::max(change, std::fabs(now[i] - before[i]));
-        largest = std::max(largest, std::fabs(now[i]));
-    }
-    return change <= kSettled * largest;
-}
-
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+/// Entries row by row.
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Eigen::Index index(std::size_t i) {
     return static_cast<Eigen::Index>(i);
 }
 
-/// Rows and columns of the control points that move.
-template <class Entry>
-Matrix of_moving(const std::vector<std::size_t>& moving, Entry&& entry) {
-    Matrix m(index(moving.size()), index(moving.size()));
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-        for (std::size_t j = 0; j < moving.size(); ++j) {
-            m(index(i), index(j)) = entry(moving[i], moving[j]);
-        }
-    }
-    return m;
+/// Rows and columns of the control points that move, of a matrix of all.
+Matrix of_moving(const Dnurbs& curve, const std::vector<double>& all) {
+    const Eigen::Index n = index(curve.points());
+    return Eigen::Map<const Matrix>(all.data(), n, n)(curve.moving(), curve.moving());
+}
+
+/// Entries that two ways to compute them agree in.
+bool close(const std::vector<double>& before, const std::vector<double>& now) {
+    const Eigen::Map<const Eigen::ArrayXd> a(before.data(), index(before.size()));
+    const Eigen::Map<const Eigen::ArrayXd> b(now.data(), index(now.size()));
+    return (b - a).abs().maxCoeff() <= kSettled * b.abs().maxCoeff();
 }
 
 std::vector<double> row_by_row(const Matrix& m) {
-    std::vector<double> all;
-    all.reserve(static_cast<std::size_t>(m.size()));
-    for (Eigen::Index i = 0; i < m.rows(); ++i) {
-        for (Eigen::Index j = 0; j < m.cols(); ++j) {
-            all.push_back(m(i, j));
-        }
-    }
-    return all;
+    return {m.data(), m.data() + m.size()};
 }
 
 /// B-splines of all degrees up to p on the piece that begins with a knot: of degree d the j-th
@@ -184,7 +161,7 @@ Dnurbs::Dnurbs(DnurbsSpec spec)
             moving_.push_back(i);
         }
     }
-    if (all_equal(weights_)) {
+    if (std::ranges::adjacent_find(weights_, std::not_equal_to<>()) == weights_.end()) {
         assemble(static_cast<std::size_t>(spec_.degree) + 1);
         return;
     }
@@ -257,25 +234,19 @@ Vec2 Dnurbs::point(double u, std::span<const Vec2> displacements) const {
 }
 
 std::vector<Vec2> Dnurbs::equilibrium(double u, const Vec2& force) const {
-    const Matrix k =
-        of_moving(moving_, [this](std::size_t i, std::size_t j) { return stiffness(i, j); });
+    const Matrix k = of_moving(*this, stiffness_);
     const Eigen::LDLT<Matrix> factor(k);
-    const double largest = k.diagonal().maxCoeff();
-    refuse_if(!(factor.vectorD().minCoeff() > kFree * largest),
+    refuse_if(!(factor.vectorD().minCoeff() > kFree * k.diagonal().maxCoeff()),
               "fixed leaves a motion that no tension or rigidity resists, so no force has an "
               "equilibrium: fix one more control point (rigidity alone needs two), or give alpha "
               "or beta above 0");
     const BasisAt r = basis(u);
-    std::vector<Vec2> load(points());
+    Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(index(points()), 2);
     for (std::size_t i = 0; i < r.value.size(); ++i) {
-        load[r.first + i] = r.value[i] * force;
+        load.row(index(r.first + i)) << r.value[i] * force.x, r.value[i] * force.y;
     }
-    Columns side(index(moving_.size()), 2);
-    for (std::size_t i = 0; i < moving_.size(); ++i) {
-        side(index(i), 0) = load[moving_[i]].x;
-        side(index(i), 1) = load[moving_[i]].y;
-    }
-    Columns found = factor.solve(side);
+    const Eigen::MatrixX2d side = load(moving_, Eigen::all);
+    Eigen::MatrixX2d found = factor.solve(side);
     found += factor.solve(side - k * found);  // what rounding left
     std::vector<Vec2> displaced(points());
     for (std::size_t i = 0; i < moving_.size(); ++i) {
@@ -285,36 +256,16 @@ std::vector<Vec2> Dnurbs::equilibrium(double u, const Vec2& force) const {
 }
 
 double Dnurbs::slowest_motion() const {
-    const Matrix k =
-        of_moving(moving_, [this](std::size_t i, std::size_t j) { return stiffness(i, j); });
-    // Of a density of 1: the squares of none are too small then.
-    const Matrix mass =
-        of_moving(moving_, [this](std::size_t i, std::size_t j) { return gram_[at(i, j)]; });
-    if (moving_.empty()) {
+    const Matrix k = of_moving(*this, stiffness_);
+    if (moving_.empty() ||
+        !(Eigen::LDLT<Matrix>(k).vectorD().minCoeff() > kFree * k.diagonal().maxCoeff())) {
         return 0.0;
     }
-    const Eigen::LDLT<Matrix> factor(k);
-    if (!(factor.vectorD().minCoeff() > kFree * k.diagonal().maxCoeff())) {
-        return 0.0;
-    }
-    // Inverse iteration, from what no symmetry makes orthogonal to a mode. Rayleigh's quotient errs
-    // by the square of x.
-    Columns x(index(moving_.size()), 2);
-    for (Eigen::Index i = 0; i < x.rows(); ++i) {
-        x(i, 0) = x(i, 1) = 1.0 / static_cast<double>(i + 1);
-    }
-    double square = 0.0;
-    for (int turn = 0; turn < kMaxTurns; ++turn) {
-        const Columns heavy = mass * x;
-        const Columns next = factor.solve(heavy);
-        const double before = square;
-        square = x.col(0).dot(heavy.col(0)) / next.col(0).dot(heavy.col(0));
-        if (std::fabs(square - before) <= kSteady * square) {
-            break;
-        }
-        x = next / next.col(0).norm();
-    }
-    return std::sqrt(square) / std::sqrt(spec_.mu);
+    // Of a density of 1: the squares of none are too small then. The inverse of what is asked for:
+    // of its eigenvalues the largest is the one that is right to its last digits.
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> modes(of_moving(*this, gram_), k,
+                                                                 Eigen::EigenvaluesOnly);
+    return 1.0 / std::sqrt(modes.eigenvalues().maxCoeff() * spec_.mu);
 }
 
 DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)
@@ -330,17 +281,21 @@ DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)
     for (std::size_t i = 0; i < moving_.size(); ++i) {
         place_[moving_[i]] = i;
     }
-    const auto mixed = [&](double damping, double stiffness) {
-        return of_moving(moving_, [&](std::size_t i, std::size_t j) {
-            return curve.mass(i, j) + damping * curve.damping(i, j) +
-                   stiffness * curve.stiffness(i, j);
-        });
+    const auto entries = [&](double mass, double damping, double stiffness) {
+        Matrix m(index(moving_.size()), index(moving_.size()));
+        for (std::size_t i = 0; i < moving_.size(); ++i) {
+            for (std::size_t j = 0; j < moving_.size(); ++j) {
+                m(index(i), index(j)) = mass * curve.mass(moving_[i], moving_[j]) +
+                                        damping * curve.damping(moving_[i], moving_[j]) +
+                                        stiffness * curve.stiffness(moving_[i], moving_[j]);
+            }
+        }
+        return m;
     };
     const double quarter = 0.25 * h_ * h_;
-    keep_ = row_by_row(mixed(-0.5 * h_, -quarter));
-    pull_ = row_by_row(of_moving(
-        moving_, [&](std::size_t i, std::size_t j) { return h_ * curve.stiffness(i, j); }));
-    lower_ = row_by_row(Eigen::LLT<Matrix>(mixed(0.5 * h_, quarter)).matrixL());
+    keep_ = row_by_row(entries(1.0, -0.5 * h_, -quarter));
+    pull_ = row_by_row(entries(0.0, 0.0, h_));
+    lower_ = row_by_row(Eigen::LLT<Matrix>(entries(1.0, 0.5 * h_, quarter)).matrixL());
 }
 
 void DnurbsMotion::advance(const BasisAt& where, const Vec2& force) noexcept {

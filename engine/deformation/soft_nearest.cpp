@@ -30,10 +30,10 @@ SoftShape::Met SoftShape::on_span(const SoftState& state,
         const double g = glm::dot(r, jet.first);
         (g > 0.0 ? hi : lo) = u;
         const double slope = squared(jet.first) + glm::dot(r, jet.second);
-        double next = slope > 0.0 ? u - g / slope : 0.5 * (lo + hi);
-        next = next > lo && next < hi ? next
-             : g > 0.0                ? (u > lo ? 0.5 * (lo + u) : lo)
-                                      : (u < hi ? 0.5 * (u + hi) : hi);
+        double next = u - g / slope;
+        if (!(slope > 0.0 && next >= lo && next <= hi)) {  // at the foot it is the end just set
+            next = 0.5 * (lo + hi);
+        }
         if (std::fabs(next - u) <= kEpsilon) {
             break;
         }

@@ -41,9 +41,28 @@ double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexc
     return task.dir * drive.tangential > 0.0 ? kNever : drive.load;
 }
 
+/// Takes the way of a slide from the budget. @return false if the budget ends on it: the spot is
+/// there then
 bool pays(const Arc& arc, const SlideTask& task, const Spot& before, Spot& spot, double& used) {
-    return pays_way(arc, task, before, spot, used,
-                    [&](const Spot& to) { return arc.way(before.jet.point, to.jet.point); });
+    constexpr int kHalvings = 40;
+    const auto way_to = [&](const Spot& to) {
+        return arc.way(before.jet.point, to.jet.point);
+    };
+    const double left = std::max(task.budget - used, 0.0);
+    const double way = way_to(spot);
+    if (way <= left) {
+        used += way;
+        return true;
+    }
+    Spot near = before;
+    Spot far = spot;
+    for (int i = 0; i < kHalvings; ++i) {
+        const Spot middle = spot_at(arc, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
+        (way_to(middle) <= left ? near : far) = middle;
+    }
+    spot = near;
+    used = task.budget;
+    return false;
 }
 
 }  // namespace

@@ -182,14 +182,11 @@ void ConeForms::store(const Part& part, std::size_t span, double lo, double hi) 
                        .lo = lo,
                        .hi = hi});
     const std::array<const TwiceBernstein*, 4> rows{&part.a, &part.q, &part.bx, &part.by};
-    for (const TwiceBernstein* row : rows) {
-        for (const Twice& c : *row) {
-            store_.push_back(c.hi);
-        }
-    }
-    for (const TwiceBernstein* row : rows) {
-        for (const Twice& c : *row) {
-            store_.push_back(c.lo);
+    for (double Twice::*const digits : {&Twice::hi, &Twice::lo}) {
+        for (const TwiceBernstein* row : rows) {
+            for (const Twice& c : *row) {
+                store_.push_back(c.*digits);
+            }
         }
     }
     store_.insert(store_.end(), part.size_a.begin(), part.size_a.end());

@@ -1,6 +1,7 @@
 #include "engine/friction/cone_slide.hpp"
 
 #include "engine/friction/first_root.hpp"
+#include "engine/geometry/arc_length.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -59,15 +60,13 @@ Verdict verdict(const SlideTask& task, std::size_t piece, const Spot& spot) noex
 }
 
 template <bool HasFriction>
-class Slider {
-public:
-    Slider(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept
-        : task_(task),
-          curve_(task.forms.outline().spans()[task.span]),
-          spot_(spot),
-          proof_(proof),
-          used_(used),
-          mu_(HasFriction ? task.mu : 0.0) {}
+struct Slider {
+    const SlideTask& task_;
+    Spot& spot_;
+    FallProof& proof_;
+    double& used_;
+    const RationalBezier<2>& curve_ = task_.forms.outline().spans()[task_.span];
+    double mu_ = HasFriction ? task_.mu : 0.0;
 
     SlideEnd run() noexcept {
         const bool limited = task_.budget < std::numeric_limits<double>::infinity();
@@ -94,7 +93,6 @@ public:
         }
     }
 
-private:
     /// Mostly that of the last proof.
     [[nodiscard]] std::size_t first_piece() const noexcept {
         const ConeForms::Piece& last = task_.forms[proof_.piece];
@@ -224,19 +222,44 @@ private:
         return true;
     }
 
-    /// Pieces are nearly straight: the chord is the way.
+    /// Takes the way of a slide from the budget. @return false if the budget ends on it: the spot
+    /// is there then
     bool pays(const Spot& before) noexcept {
-        return pays_way(curve_, task_, before, spot_, used_, [&before](const Spot& spot) {
-            return glm::length(spot.jet.point - before.jet.point);
-        });
+        const double left = std::max(task_.budget - used_, 0.0);
+        const double way = way_along(curve_, {before.u, before.rest}, {spot_.u, spot_.rest});
+        if (way <= left) {
+            used_ += way;
+            return true;
+        }
+        spot_ = place_along(before, left, way);
+        used_ = task_.budget;
+        return false;
     }
 
-    const SlideTask& task_;
-    const RationalBezier<2>& curve_;
-    Spot& spot_;
-    FallProof& proof_;
-    double& used_;
-    double mu_;
+    /// The place `left` m along the way from a spot to this one, by Newton's steps between two
+    /// places that enclose it. @param way  all of it, m
+    [[nodiscard]] Spot place_along(const Spot& before, double left, double way) const noexcept {
+        constexpr int kMaxSteps = 40;
+        constexpr double kNear = 1e-13;  // of the whole way
+        const Parameter from{before.u, before.rest};
+        const Parameter to{spot_.u, spot_.rest};
+        double lo = 0.0;  // shares of what the parameter goes by
+        double hi = 1.0;
+        double share = left / way;
+        Spot at = before;
+        for (int i = 0; i < kMaxSteps; ++i) {
+            const Parameter there = between(from, to, share);
+            at = spot_at(curve_, there.u, there.rest);
+            const double over = way_along(curve_, from, there) - left;
+            if (std::fabs(over) <= kNear * way) {
+                break;
+            }
+            (over < 0.0 ? lo : hi) = share;
+            const double newton = share - over / (distance(from, to) * glm::length(at.jet.first));
+            share = newton > lo && newton < hi ? newton : 0.5 * (lo + hi);
+        }
+        return at;
+    }
 };
 
 }  // namespace
@@ -250,7 +273,7 @@ double direction_by_forms(const SlideTask& task, const Spot& spot) noexcept {
 
 template <bool HasFriction>
 SlideEnd slide_to_cone(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept {
-    return Slider<HasFriction>(task, spot, proof, used).run();
+    return Slider<HasFriction>{task, spot, proof, used}.run();
 }
 
 template double direction_by_forms<true>(const SlideTask&, const Spot&) noexcept;

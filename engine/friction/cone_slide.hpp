@@ -123,34 +123,6 @@ struct SlideTask {
     double budget = 0.0;  ///< m, may be infinite
 };
 
-/// Takes the way of a slide from the budget. @return false if the budget ends on it: the spot is
-/// there then
-/// @param way_to  m, from `before` to a spot
-template <class Curve, class WayTo>
-[[nodiscard]] bool pays_way(const Curve& curve,
-                            const SlideTask& task,
-                            const Spot& before,
-                            Spot& spot,
-                            double& used,
-                            const WayTo& way_to) noexcept {
-    constexpr int kHalvings = 40;
-    const double left = std::max(task.budget - used, 0.0);
-    const double way = way_to(spot);
-    if (way <= left) {
-        used += way;
-        return true;
-    }
-    Spot near = before;
-    Spot far = spot;
-    for (int i = 0; i < kHalvings; ++i) {
-        const Spot middle = spot_at(curve, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
-        (way_to(middle) <= left ? near : far) = middle;
-    }
-    spot = near;
-    used = task.budget;
-    return false;
-}
-
 /// Where a slide ended.
 enum class SlideEnd : std::uint8_t {
     in_cone,  ///< at the first place where the stretch fits the cone

@@ -16,27 +16,20 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 enum class Next : std::uint8_t { go_on, stop };
 
 template <bool HasFriction>
-class Walker {
-public:
-    Walker(const ConeForms& forms,
-           GodObject& go,
-           const Vec2& from,
-           const Vec2& h,
-           double mu,
-           double budget,
-           double radius,
-           Walk& walk) noexcept
-        : forms_(forms),
-          outline_(forms.outline()),
-          go_(go),
-          from_(from),
-          h_(h),
-          mu_(mu),
-          budget_(budget),
-          radius_(radius),
-          walk_(walk) {}
+struct Walker {
+    const ConeForms& forms_;
+    const Outline& outline_;
+    GodObject& go_;
+    Vec2 from_;
+    Vec2 h_;
+    double mu_;
+    double budget_;
+    double radius_;
+    double used_ = 0.0;
+    double direction_ = 0.0;  ///< of travel: +1, -1, or 0 before the first step
+    Walk walk_{};
 
-    void run() noexcept {
+    Walk run() noexcept {
         // Each span and seam is passed once, for the stretch only falls. Rounding cannot cycle
         // either.
         const auto visits = [this] {
@@ -44,15 +37,15 @@ public:
         };
         for (std::size_t i = 0; i == 0 || i < visits(); ++i) {
             if (step() == Next::stop) {
-                return;
+                return walk_;
             }
         }
         settle_at(cone(go_));
         walk_.outside_cone = true;
         walk_.unproven = true;
+        return walk_;
     }
 
-private:
     Next step() noexcept {
         if (!go_.place.on_seam) {
             return on_span();
@@ -290,18 +283,6 @@ private:
         const SinCos turn = sin_cos(phi);
         return turn.cos * seam.tangent_in - turn.sin * perp(seam.tangent_in);
     }
-
-    const ConeForms& forms_;
-    const Outline& outline_;
-    GodObject& go_;
-    Vec2 from_;
-    Vec2 h_;
-    double mu_;
-    double budget_;
-    double radius_;
-    double used_ = 0.0;
-    double direction_ = 0.0;  ///< of travel: +1, -1, or 0 before the first step
-    Walk& walk_;
 };
 
 }  // namespace
@@ -339,9 +320,8 @@ Walk walk_god_object(const ConeForms& forms,
                      double mu,
                      double budget,
                      double vertex_radius) noexcept {
-    Walk walk;
-    Walker<HasFriction>(forms, go, from, h, mu, budget, vertex_radius, walk).run();
-    return walk;
+    return Walker<HasFriction>{forms, forms.outline(), go, from, h, mu, budget, vertex_radius}
+        .run();
 }
 
 template Walk walk_god_object<true>(

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -56,8 +54,14 @@ void check_repeats(const std::vector<double>& values, std::size_t p, const std::
     }
 }
 
-/// r of balanced() as a power of two, and what weight i is multiplied by: r^(n-i), shifted so that
-/// those at the ends stay in their range.
+/// The last of rising pieces that begins at or before u; the first where none does.
+template <class Piece>
+std::size_t piece_with(const std::vector<Piece>& pieces, double u) noexcept {
+    const auto after = std::ranges::upper_bound(pieces, u, {}, &Piece::lo);
+    return after == pieces.begin() ? 0 : static_cast<std::size_t>(after - pieces.begin()) - 1;
+}
+
+/// r of balanced() as a power of two.
 template <int D>
 int balance_step(const RationalBezier<D>& curve) {
     const int n = curve.degree();
@@ -66,27 +70,32 @@ int balance_step(const RationalBezier<D>& curve) {
     return (apart >= 0 ? apart + n / 2 : apart - n / 2) / n;  // rounded
 }
 
-double balanced_weight(double weight, std::size_t i, int n, int step) {
-    return std::ldexp(weight, step * (n - static_cast<int>(i)) - step * n / 2);
+/// Weight i times r^(n-i), shifted so that those at the ends stay in their range.
+template <int D>
+std::vector<double> balanced_weights(const RationalBezier<D>& curve, int step) {
+    const int n = curve.degree();
+    std::vector<double> weights;
+    for (int i = 0; i <= n; ++i) {
+        weights.push_back(
+            std::ldexp(curve.weight(static_cast<std::size_t>(i)), step * (n - i) - step * n / 2));
+    }
+    return weights;
+}
+
+bool in_range(const std::vector<double>& weights) {
+    return std::ranges::all_of(weights,
+                               [](double w) { return w >= kMinWeight && w <= kMaxWeight; });
 }
 
 /// Weights that balanced() would drive out of their range.
-[[noreturn]] void refuse_weights(double least, double greatest) {
-    throw std::invalid_argument(
-        "weights go from " + number_text(least) + " to " + number_text(greatest) +
-        ", too far apart for one curve: give a largest weight that is nearer to the smallest");
-}
-
-template <int D>
-bool can_be_balanced(const RationalBezier<D>& curve) {
-    const int step = balance_step<D>(curve);
-    for (std::size_t i = 0; i <= static_cast<std::size_t>(curve.degree()); ++i) {
-        const double weight = balanced_weight(curve.weight(i), i, curve.degree(), step);
-        if (step != 0 && !(weight >= kMinWeight && weight <= kMaxWeight)) {
-            return false;
-        }
-    }
-    return true;
+/// @param named  those that the sentence names
+void refuse_unless(bool fits, const std::vector<double>& named) {
+    const auto [least, greatest] = std::ranges::minmax(named);
+    refuse_if(
+        !fits,
+        "weights go from {:.9g} to {:.9g}, too far apart for one curve: give a largest weight "
+        "that is nearer to the smallest",
+        least, greatest);
 }
 
 /// All weights 1 when none are given.
@@ -124,11 +133,7 @@ KnotVector::KnotVector(std::vector<double> values,
 }
 
 std::size_t KnotVector::interval_of(double u) const noexcept {
-    const auto after =
-        std::upper_bound(intervals_.begin(), intervals_.end(), u,
-                         [](double value, const Interval& piece) { return value < piece.lo; });
-    return after == intervals_.begin() ? 0
-                                       : static_cast<std::size_t>(after - intervals_.begin()) - 1;
+    return piece_with(intervals_, u);
 }
 
 template <int D>
@@ -158,18 +163,14 @@ NurbsCurve<D>::NurbsCurve(int degree,
         }
         spans_.push_back(
             {RationalBezier<D>(p, v, origin), vector.intervals()[i].lo, vector.intervals()[i].hi});
-        if (!can_be_balanced<D>(spans_.back().curve)) {
-            const auto [least, greatest] = std::minmax_element(w.begin(), w.end());
-            refuse_weights(*least, *greatest);
-        }
+        const int step = balance_step<D>(spans_.back().curve);
+        refuse_unless(step == 0 || in_range(balanced_weights<D>(spans_.back().curve, step)), w);
     }
 }
 
 template <int D>
 std::size_t NurbsCurve<D>::span_of(double u) const noexcept {
-    const auto after = std::upper_bound(spans_.begin(), spans_.end(), u,
-                                        [](double value, const Span& s) { return value < s.lo; });
-    return after == spans_.begin() ? 0 : static_cast<std::size_t>(after - spans_.begin()) - 1;
+    return piece_with(spans_, u);
 }
 
 template <int D>
@@ -192,15 +193,11 @@ BalancedSpan<D> balanced(const RationalBezier<D>& curve) {
     if (step == 0) {
         return {.curve = curve};
     }
+    const std::vector<double> weights = balanced_weights<D>(curve, step);
+    refuse_unless(in_range(weights), weights);
     std::vector<Vec<D>> points;
-    std::vector<double> weights;
-    for (std::size_t i = 0; i <= static_cast<std::size_t>(curve.degree()); ++i) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
         points.push_back(curve.local_point(i));
-        weights.push_back(balanced_weight(curve.weight(i), i, curve.degree(), step));
-    }
-    if (!can_be_balanced<D>(curve)) {
-        const auto [least, greatest] = std::minmax_element(weights.begin(), weights.end());
-        refuse_weights(*least, *greatest);
     }
     return {.curve = RationalBezier<D>(points, weights, curve.origin()),
             .name = {.ratio = std::ldexp(1.0, step)}};

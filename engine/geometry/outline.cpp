@@ -120,12 +120,8 @@ Outline::Outline(const std::vector<NurbsCurve<2>>& segments, bool closed) : clos
     join_all();
 }
 
-Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed) : closed_(closed) {
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-        add_segment(NurbsCurve<2>(segments[i]), i);
-    }
-    join_all();
-}
+Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed)
+    : Outline(std::vector<NurbsCurve<2>>(segments.begin(), segments.end()), closed) {}
 
 void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
     refuse_if(index >= kMaxSegments,

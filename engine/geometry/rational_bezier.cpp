@@ -1,6 +1,7 @@
 #include "engine/geometry/rational_bezier.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "engine/base/refuse.hpp"
 #include "engine/math/bernstein.hpp"
@@ -90,26 +91,11 @@ Jet<D> RationalBezier<D>::cut(double u, double v) const noexcept {
 
 template <int D>
 Jet<D> RationalBezier<D>::by_corner_cutting(double u, double v) const noexcept {
-    switch (degree_) {
-        case 1:
-            return cut<1>(u, v);
-        case 2:
-            return cut<2>(u, v);
-        case 3:
-            return cut<3>(u, v);
-        case 4:
-            return cut<4>(u, v);
-        case 5:
-            return cut<5>(u, v);
-        case 6:
-            return cut<6>(u, v);
-        case 7:
-            return cut<7>(u, v);
-        case 8:
-            return cut<8>(u, v);
-        default:
-            return cut<9>(u, v);
+    constexpr auto kCuts = []<int... N>(std::integer_sequence<int, N...>) {
+        return std::array{&RationalBezier::template cut<N + 1>...};
     }
+    (std::make_integer_sequence<int, kMaxDegree>{});
+    return (this->*kCuts[static_cast<std::size_t>(degree_ - 1)])(u, v);
 }
 
 template class RationalBezier<2>;

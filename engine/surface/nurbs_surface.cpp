@@ -173,27 +173,25 @@ NurbsSurface::NurbsSurface(int degree_u,
     polynomial_ = net.polynomial;
     const std::size_t n = row_length(points);
     const std::size_t last = points.size() - 1;
-    closed_u_ = points.size() > 2;
+    std::array<std::vector<Quad>, 4> edges;  // first and last of u, then of v
     for (std::size_t j = 0; j < n; ++j) {
-        closed_u_ = closed_u_ && same(net.values[j], net.values[last * n + j], size_);
+        edges[0].push_back(net.values[j]);
+        edges[1].push_back(net.values[last * n + j]);
     }
-    closed_v_ = n > 2;
     for (std::size_t i = 0; i <= last; ++i) {
-        closed_v_ = closed_v_ && same(net.values[i * n], net.values[i * n + n - 1], size_);
+        edges[2].push_back(net.values[i * n]);
+        edges[3].push_back(net.values[i * n + n - 1]);
     }
-    const auto border = [&](std::size_t j) {
-        std::vector<Quad> edge;
-        for (std::size_t i = 0; i <= last; ++i) {
-            edge.push_back(net.values[i * n + j]);
-        }
-        return edge;
-    };
-    poles_ = {one_point(std::span(net.values).first(n), size_),
-              one_point(std::span(net.values).last(n), size_), one_point(border(0), size_),
-              one_point(border(n - 1), size_)};
+    std::ranges::transform(edges, poles_.begin(),
+                           [this](const auto& edge) { return one_point(edge, size_); });
     // Two poles are no seam: an edge that is one point has no other side.
-    closed_u_ = closed_u_ && !poles_[0];
-    closed_v_ = closed_v_ && !poles_[2];
+    const auto closed = [&](std::size_t first) {
+        return !poles_[first] &&
+               std::ranges::equal(edges[first], edges[first + 1],
+                                  [this](auto& a, auto& b) { return same(a, b, size_); });
+    };
+    closed_u_ = points.size() > 2 && closed(0);
+    closed_v_ = n > 2 && closed(2);
     patches_ = patches_of(knots_u_, knots_v_, net, n);
 }
 

@@ -27,11 +27,7 @@ Bernstein lane(const std::vector<Quad>& b, int k) {
 }
 
 double least_weight(const std::vector<Quad>& b) {
-    double least = b[0].w();
-    for (const Quad& q : b) {
-        least = std::min(least, q.w());
-    }
-    return least;
+    return std::ranges::min(b, {}, &Quad::w).w();
 }
 
 bool within(const std::vector<Quad>& a, const std::vector<Quad>& b, double tolerance, int depth) {

@@ -115,25 +115,22 @@ bool SurfaceFlow::short_step(const FlowSpot& a, double h, Step& step) noexcept {
 
 bool SurfaceFlow::long_step(const FlowSpot& a, double h, Step& step) noexcept {
     const double h2 = h * h;
+    const auto regular = [this](const Vec2& at, FlowSpot& spot) {
+        look(at, spot);
+        return spot.regular;
+    };
     FlowSpot p;
-    look(a.at + (0.2 * h) * a.way + (0.02 * h2) * a.bend, p);
-    if (!p.regular) {
-        step.error = 1e300;
-        return false;
-    }
     FlowSpot q;
-    look(a.at + (2.0 / 3.0 * h) * a.way + (h2 / 27.0) * (7.0 * p.bend - a.bend), q);
-    if (!q.regular) {
-        step.error = 1e300;
+    step.error = 1e300;
+    if (!regular(a.at + (0.2 * h) * a.way + (0.02 * h2) * a.bend, p) ||
+        !regular(a.at + (2.0 / 3.0 * h) * a.way + (h2 / 27.0) * (7.0 * p.bend - a.bend), q)) {
         return false;
     }
     step.end = a.at + h * a.way + (h2 / 336.0) * (14.0 * a.bend + 100.0 * p.bend + 54.0 * q.bend);
-    look(step.end, step.to);
-    const FlowSpot& b = step.to;
-    if (!b.regular) {
-        step.error = 1e300;
+    if (!regular(step.end, step.to)) {
         return false;
     }
+    const FlowSpot& b = step.to;
     const Vec2 off =
         b.way - a.way -
         (h / 336.0) * (14.0 * a.bend + 125.0 * p.bend + 162.0 * q.bend + 35.0 * b.bend);

@@ -14,20 +14,20 @@ constexpr int kFootSteps = 400;
 constexpr int kMaxHalvings = 40;
 constexpr Work kStepWork = 100;  ///< besides the evaluation
 
-class Descent {
-public:
-    Descent(const SurfaceObject& surface,
-            const Vec3& h,
-            const SurfacePlace& start,
-            const PatchPart& part,
-            bool cross,
-            Work& work) noexcept
-        : surface_(surface), h_(h), part_(part), cross_(cross), work_(work) {
+struct Descent {
+    const SurfaceObject& surface_;
+    Vec3 h_;
+    PatchPart part_;
+    bool cross_;
+    Work& work_;
+    SurfaceFoot foot_{};
+    int hops_ = 0;
+    int stalls_ = 0;
+    double last_ = std::numeric_limits<double>::infinity();
+
+    SurfaceFoot run(const SurfacePlace& start) noexcept {
         foot_.place = start;
         look(foot_);
-    }
-
-    SurfaceFoot run() noexcept {
         for (int i = 0; i < kFootSteps && work_ > 0; ++i) {
             if (!step()) {
                 break;
@@ -36,7 +36,6 @@ public:
         return foot_;
     }
 
-private:
     struct Step {
         double u = 0.0;
         double v = 0.0;
@@ -228,16 +227,6 @@ private:
              : step < 0.0 && next - lo <= kEpsilon ? lo
                                                    : next;
     }
-
-    const SurfaceObject& surface_;
-    Vec3 h_;
-    PatchPart part_;
-    bool cross_;
-    Work& work_;
-    SurfaceFoot foot_{};
-    int hops_ = 0;
-    int stalls_ = 0;
-    double last_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -246,7 +235,7 @@ SurfaceFoot descend(const SurfaceObject& surface,
                     const Vec3& h,
                     const SurfacePlace& start,
                     Work& work) noexcept {
-    return Descent(surface, h, start, {}, true, work).run();
+    return Descent{surface, h, {}, true, work}.run(start);
 }
 
 SurfaceFoot descend_within(const SurfaceObject& surface,
@@ -254,7 +243,7 @@ SurfaceFoot descend_within(const SurfaceObject& surface,
                            const SurfacePlace& start,
                            const PatchPart& part,
                            Work& work) noexcept {
-    return Descent(surface, h, start, part, false, work).run();
+    return Descent{surface, h, part, false, work}.run(start);
 }
 
 }  // namespace palpate::engine

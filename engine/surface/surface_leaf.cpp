@@ -24,37 +24,25 @@ struct Range {
     }
 };
 
-/// The three kinds of second differences of a Bernstein net, times the degrees: second derivatives.
-template <class Take>
-void second_differences(std::size_t n, std::size_t m, int kind, Take take) {
-    const auto a = static_cast<double>(n);
-    const auto b = static_cast<double>(m);
-    const std::size_t row = m + 1;
+/// Second differences of a Bernstein net, times the degrees: second derivatives.
+/// @param kind  0: twice along u; 1: along u and v; 2: twice along v
+Range bend_range(const DistanceForm& form, const std::vector<double>& g, int kind) {
+    const auto a = static_cast<double>(form.n());
+    const auto b = static_cast<double>(form.m());
+    const std::size_t row = form.m() + 1;
+    const std::size_t first =
+        kind < 2 ? row : 1;  // how far apart the two places of a difference are
+    const std::size_t second = kind < 1 ? row : 1;
     const std::size_t skip_u = kind == 0 ? 2 : kind == 1 ? 1 : 0;
     const std::size_t skip_v = 2 - skip_u;
     const double by = kind == 0 ? a * (a - 1.0) : kind == 1 ? a * b : b * (b - 1.0);
-    for (std::size_t i = 0; i + skip_u <= n; ++i) {
-        for (std::size_t j = 0; j + skip_v <= m; ++j) {
-            const std::size_t k = i * row + j;
-            if (kind == 0) {
-                take(by, k + 2 * row, k + row, k + row, k);
-            } else if (kind == 1) {
-                take(by, k + row + 1, k + row, k + 1, k);
-            } else {
-                take(by, k + 2, k + 1, k + 1, k);
-            }
+    Range range;
+    for (std::size_t i = 0; i + skip_u <= form.n(); ++i) {
+        for (std::size_t j = 0; j + skip_v <= form.m(); ++j) {
+            const double* at = g.data() + i * row + j;
+            range.add(by * ((at[first + second] - at[first]) - (at[second] - at[0])));
         }
     }
-}
-
-Range bend_range(const DistanceForm& form, const std::vector<double>& g, int kind) {
-    Range range;
-    double by = 0.0;
-    second_differences(form.n(), form.m(), kind,
-                       [&](double f, std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
-                           by = f;
-                           range.add(f * ((g[a] - g[b]) - (g[c] - g[d])));
-                       });
     const double wide = kMargin * by * largest_magnitude(g);
     return {range.low - wide, range.high + wide};
 }

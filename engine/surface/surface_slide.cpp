@@ -18,15 +18,23 @@ constexpr double kAstray = 1e-8;
 constexpr int kDoubts = 8;
 
 /// The walk of one tick.
-class Slider {
-public:
-    Slider(const SurfaceObject& surface,
-           const Vec3& h,
-           double mu,
-           Work work,
-           const SurfaceSlew& slew,
-           SurfaceFan& fan) noexcept
-        : ground_(surface, h, mu), size_(surface.size()), work_(work), slew_(slew), fan_(fan) {}
+struct Slider {
+    SurfaceGround ground_;
+    Work work_;
+    SurfaceSlew slew_;
+    SurfaceFan& fan_;
+    double size_ = ground_.surface().size();
+    bool spent_ = false;
+    bool strays_ = false;       ///< the last step did not follow the flow
+    bool lost_ = false;         ///< the flow has no direction, or costs too much
+    bool singular_ = false;     ///< the walk went on from a place without tangents
+    double astray_ = 0.0;       ///< way of such steps, m
+    double last_ = 0.0;         ///< length of the last step, m
+    double trust_ = 1e300;      ///< so long may the next one be, m
+    double last_excess_ = 0.0;  ///< before it, m
+    bool done_ = false;         ///< no step is left that gains anything
+    bool crease_ = false;       ///< the step goes along a concave crease
+    bool foot_ = false;         ///< since the surface has no way down from here: it folds back
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         Footing at{ground_.look(from)};
@@ -67,7 +75,6 @@ public:
         return result(at, moved ? slid : 0.0);
     }
 
-private:
     static bool ends(Way way) noexcept {
         return way == Way::rests || way == Way::held || way == Way::over;
     }
@@ -351,23 +358,6 @@ private:
     [[nodiscard]] bool last_bits(const SurfaceSpot& s) const noexcept {
         return s.excess <= 3e-11 * (size_ + std::sqrt(s.r2)) || s.excess <= 4.0 * ground_.turn(s);
     }
-
-    SurfaceGround ground_;
-    double size_;
-    Work work_;
-    SurfaceSlew slew_;
-    SurfaceFan& fan_;
-    bool spent_ = false;
-    bool strays_ = false;       ///< the last step did not follow the flow
-    bool lost_ = false;         ///< the flow has no direction, or costs too much
-    bool singular_ = false;     ///< the walk went on from a place without tangents
-    double astray_ = 0.0;       ///< way of such steps, m
-    double last_ = 0.0;         ///< length of the last step, m
-    double trust_ = 1e300;      ///< so long may the next one be, m
-    double last_excess_ = 0.0;  ///< before it, m
-    bool done_ = false;         ///< no step is left that gains anything
-    bool crease_ = false;       ///< the step goes along a concave crease
-    bool foot_ = false;         ///< since the surface has no way down from here: it folds back
 };
 
 }  // namespace
@@ -378,7 +368,7 @@ SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               double mu,
                               Work work) noexcept {
     SurfaceFan none;
-    return Slider(surface, h, mu, work, {}, none).run(from);
+    return Slider{SurfaceGround(surface, h, mu), work, {}, none}.run(from);
 }
 
 SurfaceSlide slide_on_surface(const SurfaceObject& surface,
@@ -387,7 +377,7 @@ SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               double mu,
                               const SurfaceSlew& slew,
                               SurfaceFan& fan) noexcept {
-    return Slider(surface, h, mu, kSlideWork, slew, fan).run(from);
+    return Slider{SurfaceGround(surface, h, mu), kSlideWork, slew, fan}.run(from);
 }
 
 }  // namespace palpate::engine

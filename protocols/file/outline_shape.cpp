@@ -1,14 +1,18 @@
 #include "protocols/file/outline_shape.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/geometry/cusps.hpp"
 #include "stimuli/free_outline.hpp"
 
 namespace palpate::protocols {
 namespace {
+
+using engine::Vec2;
 
 /// How far the polyline that is looked at may be from the outline: m, and of its size.
 constexpr double kFlatness = 20e-6;
@@ -27,6 +31,48 @@ double size_of(const engine::Outline& outline) {
     return glm::length(all.size());
 }
 
+/// Where the two curves of a vertex that turns back cross beside it, nearer to each other than a
+/// polyline tells: its wedge would be taken for its outside, as far as anyone goes. Both are
+/// compared at the same distances back from the tip, doubled until they are clearly apart.
+std::optional<Vec2> crossing_beside(const engine::RationalBezier<2>& in,
+                                    const engine::RationalBezier<2>& out,
+                                    double size) {
+    constexpr int kDoublings = 40;
+    const Vec2 tip = out.point(0);
+    const Vec2 along = engine::end_tangent(in, true);
+    const auto back = [&](const Vec2& point) {
+        return glm::dot(tip - point, along);
+    };
+    const auto before = [&in](double u) {
+        return in.at(1.0 - u, u).point;
+    };
+    double side = 0.0;
+    double far = 0x1p-50;
+    for (int k = kDoublings; k >= 0 && glm::dot(along, engine::end_tangent(out, false)) < 0.0;
+         --k) {
+        const Vec2 after = out.at(std::ldexp(1.0, -k)).point;
+        while (far < 1.0 && back(before(far)) < back(after)) {
+            far *= 2.0;
+        }
+        double lo = 0.0;
+        double hi = far;
+        while (0.5 * (lo + hi) > lo && 0.5 * (lo + hi) < hi) {
+            (back(before(0.5 * (lo + hi))) < back(after) ? lo : hi) = 0.5 * (lo + hi);
+        }
+        const double gap = engine::cross(along, after - before(hi));
+        if (back(before(hi)) < back(after) || std::fabs(gap) > 10.0 * kFlatShare * size) {
+            break;
+        }
+        if (std::fabs(gap) > 1e-12 * size) {
+            if (side * gap < 0.0) {
+                return after;
+            }
+            side = gap;
+        }
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::string gap_text(std::string_view what, double gap) {
@@ -39,12 +85,16 @@ std::string gap_text(std::string_view what, double gap) {
 std::optional<std::string> crossing_text(std::string_view what,
                                          const engine::Outline& outline,
                                          bool closed) {
-    const double tolerance = std::min(kFlatness, kFlatShare * size_of(outline));
-    std::vector<engine::Vec2> line = stimuli::silhouette(outline, tolerance);
+    const double size = size_of(outline);
+    std::vector<Vec2> line = stimuli::silhouette(outline, std::min(kFlatness, kFlatShare * size));
     if (closed && !outline.closed()) {
         line.pop_back();  // where it begins
     }
-    const auto meeting = stimuli::self_crossing(line, closed);
+    std::optional<Vec2> meeting = stimuli::self_crossing(line, closed);
+    const auto& spans = outline.spans();
+    for (std::size_t i = closed ? 0 : 1; i < spans.size() && !meeting; ++i) {
+        meeting = crossing_beside(i > 0 ? spans[i - 1] : spans.back(), spans[i], size);
+    }
     if (!meeting) {
         return std::nullopt;
     }

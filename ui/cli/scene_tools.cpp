@@ -147,7 +147,7 @@ Feel surface_feel(const SceneFile& file, double period) {
         lines.add(c.normal_force);
         lines.add(c.tangential_force);
         lines.add_point<3>(c.force);
-        add_marks(lines, {.held = c.outside_cone && !c.vertex_slew,
+        add_marks(lines, {.held = c.outside_cone && !c.vertex_slew && c.settled,
                           .slewed = c.vertex_slew,
                           .unproven = !c.settled || !c.cp.proven || !c.on_flow});
         lines.end();
