@@ -1,6 +1,5 @@
 #include "data/store/reader.hpp"
 
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/descriptor.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "data/store/database.hpp"
 #include "data/store/disk_space.hpp"
@@ -34,20 +36,10 @@ bool was_deleted(const std::string& name) {
     return times_open(name + " (deleted)") > 0;
 }
 
-/// Nobody syncs what VACUUM INTO wrote.
-bool is_on_disk(const std::string& name) {
-    const int there = open(name.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool synced = there >= 0 && fsync(there) == 0;
-    if (there >= 0) {
-        close(there);
-    }
-    return synced;
-}
-
 /// A deleted file's content takes its name again, if nobody has given that to another one. The log
 /// of the deleted one goes first: SQLite would read it into this one.
 bool is_put_back(const std::string& rescued, const std::string& name) {
-    if (access(name.c_str(), F_OK) == 0 || !is_on_disk(rescued)) {
+    if (access(name.c_str(), F_OK) == 0 || !sync_to_disk(rescued)) {  // VACUUM INTO does not
         return false;
     }
     for (const char* beside : {"-shm", "-wal"}) {
@@ -59,12 +51,6 @@ bool is_put_back(const std::string& rescued, const std::string& name) {
            renameat2(AT_FDCWD, rescued.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0;
 }
 
-/// An empty file, of nobody else.
-bool made_private(const std::string& name) {
-    const int made = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    return made >= 0 && close(made) == 0;
-}
-
 /// Another program has the file open: for as long as its log is, SQLite keeps one of these bytes
 /// locked (SHARED_FIRST and SHARED_SIZE of its os.h). Only before this connection locks any, for
 /// closing a second descriptor drops the locks.
@@ -74,12 +60,8 @@ bool is_in_use(const std::string& file) {
     bytes.l_whence = SEEK_SET;
     bytes.l_start = 0x40000002;
     bytes.l_len = 510;
-    const int there = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool found = there >= 0 && fcntl(there, F_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
-    if (there >= 0) {
-        close(there);
-    }
-    return found;
+    const Descriptor there(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    return there.get() >= 0 && fcntl(there.get(), F_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
 }
 
 /// Pages, indices and references hold, or nobody can say so.

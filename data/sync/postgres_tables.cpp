@@ -1,7 +1,6 @@
 #include "data/sync/postgres_tables.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <iterator>
 #include <map>
 #include <ranges>
