@@ -9,7 +9,7 @@
 
 #include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 namespace palpate::data {
 

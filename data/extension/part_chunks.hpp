@@ -31,7 +31,7 @@ struct PartChunk {
 class PartChunks {
 public:
     /// @throws SampleError if ticks are missing, but not where the session says that some were lost
-    PartChunks(StatementCache& db, const TrialPart& part);
+    PartChunks(const Connection& db, const TrialPart& part);
 
     /// Chunks, and the tick that one begins with. @throws std::out_of_range for i >= size()
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
@@ -40,10 +40,10 @@ public:
     [[nodiscard]] PartChunk at(std::size_t i);
 
 private:
-    void require_all(StatementCache& db, const std::vector<std::int64_t>& counts);
+    void require_all(const Connection& db, const std::vector<std::int64_t>& counts);
 
     TrialPart part_;
-    Query rows_;
+    Statement rows_;
     std::int64_t period_ns_ = 0;
     std::vector<std::int64_t> first_ticks_;
 };
@@ -83,7 +83,7 @@ struct HipSource {
 
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
 /// decoding the columns wanted only, those chunks left out that are out of range.
-[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(StatementCache& db,
+[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(const Connection& db,
                                                         const TrialPart& part,
                                                         SampleColumns columns,
                                                         const TickRange& range,

@@ -119,22 +119,21 @@ private:
 }  // namespace
 
 TickStore::Context TickStore::context_of(const TrialPart& part) {
-    Query row(db_,
-              "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
-              "plan.friction), coalesce(felt.slip_decay, 0), "
-              "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
-              "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
-              "main.session_provenance AS p "
-              "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
-              "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
-              "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
-              "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1");
-    if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
+    Statement row(
+        db_,
+        "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
+        "plan.friction), coalesce(felt.slip_decay, 0), "
+        "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
+        "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
+        "main.session_provenance AS p "
+        "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
+        "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
+        "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
+        "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1",
+        part.trial, part.interval);
+    if (!row.step()) {
         fail(part, "it has ticks, but no row in trial");
     }
-    const auto number = [&row](int column) {
-        return row.null(column) ? std::nullopt : std::optional(row.real(column));
-    };
     const std::pair key(row.text(8), row.text(9));
     auto session = sessions_.find(key);
     if (session == sessions_.end()) {
@@ -144,10 +143,10 @@ TickStore::Context TickStore::context_of(const TrialPart& part) {
                       .friction = row.text(1),
                       .slip_decay = row.real(2),
                       .heal_decay = row.real(3),
-                      .curvature = number(4),
-                      .mu_s = number(5),
-                      .mu_d = number(6),
-                      .stimulus = number(7)},
+                      .curvature = row.real_or_none(4),
+                      .mu_s = row.real_or_none(5),
+                      .mu_d = row.real_or_none(6),
+                      .stimulus = row.real_or_none(7)},
             .session = &session->second};
 }
 
@@ -206,11 +205,11 @@ Ticks TickStore::make_room() {
 /// ticks.
 void TickStore::require_one_study() {
     // Statements: a table of the file may be called pragma_database_list.
-    for (Query others(db_, "PRAGMA database_list"); others.step();) {
+    for (Statement others(db_, "PRAGMA database_list"); others.step();) {
         const std::string name = others.text(1);
         refuse_if<SampleError>(
             name != "main" && name != "temp" &&
-                Query(db_, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
+                Statement(db_, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
             "sample is of the file that was opened first, and another palpate database is "
             "attached: DETACH {}, and ask each by itself",
             name);
@@ -220,16 +219,15 @@ void TickStore::require_one_study() {
 std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     require_one_study();
     // A part whose chunks are gone is one too: it is refused.
-    std::vector<TrialPart> parts;
-    Query query(db_,
-                "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
-                "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
-                "AND ?2 AND ticks > 0 ORDER BY 1, 2");
-    query.bind(1, trials.first).bind(2, trials.last);
-    while (query.step()) {
-        parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
-    }
-    return parts;
+    Statement part(
+        db_,
+        "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
+        "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
+        "AND ?2 AND ticks > 0 ORDER BY 1, 2",
+        trials.first, trials.last);
+    return part.all([](const Statement& row) {
+        return TrialPart{.trial = row.integer(0), .interval = row.integer(1)};
+    });
 }
 
 std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,

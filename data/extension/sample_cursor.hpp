@@ -44,7 +44,7 @@ private:
     Ticks make_room();
     void require_one_study();
 
-    StatementCache db_;
+    LentConnection db_;
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions_;
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.

@@ -372,10 +372,10 @@ sqlite3_module make_module() {
 
 bool has_own_sample(sqlite3* db) {
     try {
-        StatementCache database(db);
-        return Query(database,
-                     "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
-                     " AND type IN ('table', 'view')")
+        const LentConnection database(db);
+        return Statement(database,
+                         "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
+                         " AND type IN ('table', 'view')")
             .step();
     } catch (const SampleError&) {
         return false;  // whoever asks for ticks hears why the file cannot be read

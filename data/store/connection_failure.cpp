@@ -7,8 +7,9 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/sql/statement.hpp"
+#include "data/store/database.hpp"
 #include "data/store/own_schema.hpp"
-#include "data/store/statement.hpp"
 
 namespace palpate::data {
 namespace {
@@ -71,19 +72,21 @@ std::string in_the_way(const Connection& connection) {
 
 }  // namespace
 
-void Connection::fail(std::string_view doing) const {
+void fail_with_remedy(const Connection& connection, std::string_view doing) {
+    const std::string& file = connection.file;
+    sqlite3* handle = connection.handle;
     const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
     const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
     std::string what = remedy(code);
-    refuse_if<StoreError>(written_since(), "{}: it was written to while it was read: do this again",
-                          file);
+    refuse_if<StoreError>(connection.written_since(),
+                          "{}: it was written to while it was read: do this again", file);
     if (handle != nullptr) {
         const bool barred = (code & 0xFF) == SQLITE_READONLY || (code & 0xFF) == SQLITE_CANTOPEN;
-        const std::string theirs = barred ? in_the_way(*this) : "";
+        const std::string theirs = barred ? in_the_way(connection) : "";
         what = theirs.empty() ? what : theirs;
     }
     if (handle != nullptr && message.starts_with("FOREIGN KEY")) {
-        const std::string theirs = referring_tables(*this);
+        const std::string theirs = referring_tables(connection);
         what = theirs.empty() ? ""
                               : fmt::format(
                                     "a table that was added refers to rows that would change "

@@ -99,7 +99,8 @@ std::string utc_text(const timespec& now) {
 
 }  // namespace
 
-Database::Database(std::string file, Access access) : connection_{.file = std::move(file)} {
+Database::Database(std::string file, Access access)
+    : connection_{.file = std::move(file), .failed = fail_with_remedy} {
     try {
         open(access);
     } catch (...) {

@@ -15,7 +15,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 namespace palpate::data {
 

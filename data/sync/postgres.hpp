@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 namespace palpate::data {
 
