@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "data/fit/shared_rate.hpp"
+#include "data/fit/bootstrap.hpp"
 
 namespace palpate::data {
 namespace {

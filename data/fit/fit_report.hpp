@@ -14,6 +14,7 @@
 #include "data/plot/figure.hpp"
 #include "data/statistics/paired.hpp"
 #include "data/store/analysed.hpp"
+#include "data/store/database.hpp"
 #include "data/tables/table.hpp"
 
 /// Fits of all curves of a file, and what is said of them.
@@ -36,6 +37,29 @@ struct Answers {
 /// outside 0 .. n, n above 1,000,000
 [[nodiscard]] std::vector<Answers> read_answers(const RereadableText& text,
                                                 protocols::Family family);
+
+/// There is no graded stimulus to fit, but there are answers by a picture's name.
+[[nodiscard]] bool answers_are_names(Database& database, const AnswerChoice& choice);
+
+/// What a database has to fit.
+struct StoredAnswers {
+    std::string study{};
+    std::vector<Answers> all{};
+    /// Runs in the order of the protocol, frictions from the least: as in all tables.
+    std::vector<std::string> conditions{};
+    std::string stimulus{};                ///< what it is: "curvature in 1/m"
+    std::vector<StudyVersion> versions{};  ///< where the file has several of a protocol
+    LeftOut left_out{};
+};
+
+/// Of every participant and condition of a study the answers that count, main trials alone. Where a
+/// rule chose the levels: the runs, by name, its stimulus, and how often the answer was 1 (two
+/// intervals: the comparison); with yes-no on planned objects: their curvature in 1/m, by friction,
+/// and how often yes. Sessions of a participant add up; what the rules believe stands beside them,
+/// session by session. Without whom the protocol's rules leave out.
+/// @throws std::invalid_argument if there are none, or of several studies: which there are; if
+/// versions that are taken together do not have stimuli of one kind
+[[nodiscard]] StoredAnswers stored_answers(Database& database, const AnswerChoice& choice);
 
 struct FitOptions {
     CurveSpec spec{};

@@ -1,11 +1,10 @@
-#include "data/fit/shared_rate.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/bootstrap.hpp"
 #include "data/fit/optimum.hpp"
 
 namespace palpate::data {

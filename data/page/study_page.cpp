@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "data/fit/stored_answers.hpp"
+#include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/analysed.hpp"
 

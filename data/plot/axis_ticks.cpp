@@ -1,10 +1,9 @@
-#include "data/plot/axis_ticks.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
 
 namespace palpate::data {

@@ -1,11 +1,10 @@
-#include "data/plot/svg_figure.hpp"
-
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/plot/figure.hpp"
 #include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
 

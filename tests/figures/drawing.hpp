@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/geometry/nurbs_curve.hpp"
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/objects.hpp"
 

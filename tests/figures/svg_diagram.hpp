@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 
 namespace palpate::figures {
 
