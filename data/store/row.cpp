@@ -10,6 +10,12 @@
 
 namespace palpate::data {
 
+Row::Row(std::string_view table, const Statement& row) : table_(table) {
+    for (int column = 0; column < row.columns(); ++column) {
+        add(row.name(column), row.value(column));
+    }
+}
+
 bool Row::has(std::string_view column) const {
     const TableManual* table = find_table(table_);
     return table != nullptr && table->find(column) != nullptr;
@@ -17,7 +23,12 @@ bool Row::has(std::string_view column) const {
 
 Row& Row::add(std::string_view column, ColumnValue value) {
     refuse_if<std::logic_error>(!has(column), "the catalogue has no column {}.{}", table_, column);
-    values_.emplace_back(column, std::move(value));
+    const auto there = std::ranges::find(values_, column, &decltype(values_)::value_type::first);
+    if (there == values_.end()) {
+        values_.emplace_back(column, std::move(value));
+    } else {
+        there->second = std::move(value);
+    }
     return *this;
 }
 

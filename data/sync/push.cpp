@@ -9,7 +9,6 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/sync/last_version.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
 #include "data/sync/push_shared.hpp"

@@ -20,12 +20,6 @@ struct OwnedTable {
     [[nodiscard]] std::string list() const;
     /// SELECT list() of the owner ?1, in an order that depends on the content alone.
     [[nodiscard]] std::string select(std::string_view owner) const;
-    /// INSERT of the owner ?1 and list() from ?2 on.
-    [[nodiscard]] std::string insert(std::string_view owner) const;
-    /// UPDATE of the row ?1, likewise.
-    [[nodiscard]] std::string update() const;
-    /// "?3, ?4, ?5": a place for each column, from `first` on.
-    [[nodiscard]] std::string places(std::size_t first) const;
 };
 
 /// What belongs to what, so that it can be copied into another file.
@@ -43,9 +37,6 @@ struct Layout {
 
 /// By the catalogue of this program.
 [[nodiscard]] Layout catalogue_layout();
-
-/// Binds all columns of `from`'s row to `to`, the first to parameter `first`. @return `to`
-Statement& bind_row(const Statement& from, Statement& to, int first);
 
 /// One attempt as a file has it.
 struct TrialVersion {
@@ -79,6 +70,9 @@ struct SessionVersion {
     std::vector<std::string> events;   ///< hashes, in their order
     std::vector<std::string> moments;  ///< of the events
 };
+
+/// "shapes, participant P01, session 1 (its uuid)"
+[[nodiscard]] std::string called(const SessionVersion& session);
 
 /// All sessions of a file. @param file  how to call it
 /// @param hashed  to be compared with others: without it no hash is made, of no trace either
