@@ -6,7 +6,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/analysis/people_text.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
 #include "data/store/analysed.hpp"

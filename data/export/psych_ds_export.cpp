@@ -9,7 +9,6 @@
 #include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
-#include "data/export/tables.hpp"
 
 namespace palpate::data {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "data/extension/query.hpp"
+#include "data/extension/part_chunks.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
-#include "data/trace/sample_columns.hpp"
 
 struct sqlite3;
 namespace palpate::data {

@@ -5,7 +5,7 @@
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "data/fit/bootstrap.hpp"
-#include "data/fit/optimum.hpp"
+#include "data/fit/curve_fit.hpp"
 
 namespace palpate::data {
 namespace {

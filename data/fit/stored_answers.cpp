@@ -10,7 +10,7 @@
 #include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/progress.hpp"
-#include "data/analysis/people_text.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/fit/fit_report.hpp"

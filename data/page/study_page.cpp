@@ -1,5 +1,3 @@
-#include "data/page/study_page.hpp"
-
 #include <algorithm>
 #include <future>
 
@@ -8,6 +6,7 @@
 #include "engine/base/refuse.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
+#include "data/page/study.hpp"
 #include "data/store/analysed.hpp"
 
 namespace palpate::data {

@@ -11,7 +11,7 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/trace/sample_columns.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {

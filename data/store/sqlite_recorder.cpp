@@ -24,7 +24,7 @@
 #include "data/store/reader.hpp"
 #include "data/store/row.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/trace/derived_hash.hpp"
+#include "data/trace/chunk.hpp"
 
 namespace palpate::data {
 

@@ -10,11 +10,10 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/repairs.hpp"
+#include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "data/store/database.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/session_version.hpp"
 
@@ -46,5 +51,45 @@ struct PostgresRows {
     std::string same;    ///< a row if it is there with these values, none of which is NULL
 };
 [[nodiscard]] PostgresRows postgres_rows(const PostgresTable& table);
+
+/// Who does not consent by a server's notes, and which sessions are theirs: an older copy of a file
+/// can have one as another's. Of whom something was destroyed, too.
+class Refusals {
+public:
+    /// @throws PostgresError
+    void read(Postgres& server);
+    /// Somebody of this code refused.
+    [[nodiscard]] bool hold(const std::string& code) const { return codes_.contains(code); }
+    /// The session is of who refused, and no note in its file since then says that it is another's.
+    [[nodiscard]] bool hold(const SessionVersion& session) const;
+    /// When something of theirs was last destroyed in a file that was pushed; "": never.
+    [[nodiscard]] std::string destroyed(const std::string& code) const {
+        const auto there = destroyed_.find(code);
+        return there == destroyed_.end() ? "" : there->second;
+    }
+    /// A row of participant_note: the session is theirs, who do not consent.
+    [[nodiscard]] static PostgresRow note(const SessionVersion& session);
+
+private:
+    std::set<std::string> codes_;
+    std::map<std::string, std::string> destroyed_;  ///< by code
+    std::map<std::string, std::int64_t> moves_;     ///< by uuid: how often it had become another's
+};
+
+/// Before rows that several files have: two rigs that add them in other orders would wait for each
+/// other.
+inline constexpr std::string_view kOneAtATime = "SELECT pg_advisory_xact_lock(1885432945)";
+
+/// A row of a file, behind what the server's table has before it.
+[[nodiscard]] PostgresRow with_row(PostgresRow before, const Statement& row);
+
+/// Adds what is of no session: studies that are what their text says (of another no session is
+/// whole), and trace_column.
+/// @param sql  of each table
+/// @param conflicts  gets what the server has otherwise @return rows that were added
+[[nodiscard]] std::int64_t push_shared(Database& database,
+                                       Postgres& server,
+                                       const std::map<std::string, PostgresRows>& sql,
+                                       std::vector<std::string>& conflicts);
 
 }  // namespace palpate::data

@@ -11,8 +11,6 @@
 #include "data/store/written_rows.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
-#include "data/sync/push_shared.hpp"
-#include "data/sync/refusals.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {

@@ -1,14 +1,13 @@
-#include "data/sync/session_copy.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/repairs.hpp"
+#include "data/store/people.hpp"
 #include "data/store/row.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/written_rows.hpp"
+#include "data/sync/session_version.hpp"
 
 namespace palpate::data {
 namespace {

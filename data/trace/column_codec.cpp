@@ -11,7 +11,7 @@
 #include <zlib.h>
 
 #include "engine/base/processor.hpp"
-#include "data/trace/fixed_point.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/packed_numbers.hpp"
 
 namespace palpate::data {

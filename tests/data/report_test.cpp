@@ -1,7 +1,6 @@
 #include "data/plot/figure.hpp"
 #include "data/plot/object_sheet.hpp"
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 #include "tests/figures/csv.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 
 namespace palpate::figures {
 namespace {
