@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -32,9 +33,6 @@ public:
     /// installed
     /// @throws PostgresError if nobody answers there
     explicit Postgres(const std::string& url, bool insecure = false);
-    Postgres(const Postgres&) = delete;
-    Postgres& operator=(const Postgres&) = delete;
-    ~Postgres();
 
     /// "127.0.0.1, over TLSv1.3, the server not checked"
     [[nodiscard]] std::string way() const;
@@ -55,7 +53,10 @@ public:
 private:
     [[noreturn]] void fail(std::string_view doing, const char* words) const;
 
-    void* connection_ = nullptr;
+    struct Finish {
+        void operator()(void* connection) const;
+    };
+    std::unique_ptr<void, Finish> connection_;
     std::size_t waiting_ = 0;
 };
 
