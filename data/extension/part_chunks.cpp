@@ -84,7 +84,7 @@ using C = SampleColumn;
 
 constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
-class StoredBlocks : public TickBlocks {
+class StoredBlocks {
 public:
     StoredBlocks(const Connection& db,
                  const TrialPart& part,
@@ -105,7 +105,7 @@ public:
         next_ = of_part(part_, [this] { return first_chunk(); });
     }
 
-    std::span<const TickRecord> next() override {
+    std::span<const TickRecord> next() {
         if (next_ == chunks_.size() || chunks_.first_tick(next_) > range_.last) {
             return {};
         }
@@ -317,12 +317,14 @@ PartChunk PartChunks::at(std::size_t i) {
     return chunk;
 }
 
-std::unique_ptr<TickBlocks> stored_blocks(const Connection& db,
-                                          const TrialPart& part,
-                                          SampleColumns columns,
-                                          const TickRange& range,
-                                          const HipSource& source) {
-    return std::make_unique<StoredBlocks>(db, part, columns, range, source);
+TickBlocks stored_blocks(const Connection& db,
+                         const TrialPart& part,
+                         SampleColumns columns,
+                         const TickRange& range,
+                         const HipSource& source) {
+    return [blocks = std::make_shared<StoredBlocks>(db, part, columns, range, source)] {
+        return blocks->next();
+    };
 }
 
 }  // namespace palpate::data

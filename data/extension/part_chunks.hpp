@@ -2,8 +2,8 @@
 
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <limits>
-#include <memory>
 #include <new>
 #include <optional>
 #include <span>
@@ -53,17 +53,10 @@ struct TickRange {
     friend bool operator==(const TickRange&, const TickRange&) = default;
 };
 
-/// The ticks of a part, block by block in order.
-class TickBlocks {
-public:
-    TickBlocks() = default;
-    TickBlocks(const TickBlocks&) = delete;
-    TickBlocks& operator=(const TickBlocks&) = delete;
-    virtual ~TickBlocks() = default;
-    /// The next ticks, valid until the next call; empty at the end. Those of the range are among
-    /// them, and the one before its first if velocities are wanted. @throws SampleError
-    virtual std::span<const engine::TickRecord> next() = 0;
-};
+/// The ticks of a part, block by block in order: the next ones, valid until the next call; empty at
+/// the end. Those of the range are among them, and the one before its first if velocities are
+/// wanted. Throws SampleError.
+using TickBlocks = std::function<std::span<const engine::TickRecord>()>;
 
 /// Connection::failed of ticks. @throws SampleError
 [[noreturn]] void fail_asking(const Connection& connection, std::string_view doing);
@@ -144,10 +137,10 @@ struct HipSource {
 
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
 /// decoding the columns wanted only, those chunks left out that are out of range.
-[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(const Connection& db,
-                                                        const TrialPart& part,
-                                                        SampleColumns columns,
-                                                        const TickRange& range,
-                                                        const HipSource& source);
+[[nodiscard]] TickBlocks stored_blocks(const Connection& db,
+                                       const TrialPart& part,
+                                       SampleColumns columns,
+                                       const TickRange& range,
+                                       const HipSource& source);
 
 }  // namespace palpate::data

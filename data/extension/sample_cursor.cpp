@@ -85,39 +85,6 @@ private:
     bool given_up_ = false;
 };
 
-namespace {
-
-/// Chunk by chunk, while those to come are worked on.
-class ReplayedBlocks : public TickBlocks {
-public:
-    ReplayedBlocks(const TrialPart& part,
-                   std::shared_ptr<PartReplay> replay,
-                   bool closest,
-                   const TickRange& range)
-        : part_(part), replay_(std::move(replay)), closest_(closest), range_(range) {}
-    std::span<const TickRecord> next() override {
-        if (next_ == replay_->chunks()) {
-            return {};
-        }
-        const std::size_t i = next_++;
-        try {
-            return ticks_in(of_part(part_, [&] { return replay_->chunk(i, closest_); }), range_);
-        } catch (const SampleError&) {
-            replay_->gives_up();
-            throw;
-        }
-    }
-
-private:
-    TrialPart part_;
-    std::shared_ptr<PartReplay> replay_;
-    bool closest_;
-    TickRange range_;
-    std::size_t next_ = 0;
-};
-
-}  // namespace
-
 TickStore::Context TickStore::context_of(const TrialPart& part) {
     Statement row(
         db_,
@@ -230,13 +197,23 @@ std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     });
 }
 
-std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
-                                              SampleColumns columns,
-                                              const TickRange& range) {
+TickBlocks TickStore::blocks(const TrialPart& part, SampleColumns columns, const TickRange& range) {
     if ((columns & kReplayedColumns) != 0) {
         const bool closest = (columns & kClosestColumns) != 0;
-        return std::make_unique<ReplayedBlocks>(part, of_part(part, [&] { return replayed(part); }),
-                                                closest, range);
+        // Chunk by chunk, while those to come are worked on.
+        return [part, range, closest, replay = of_part(part, [&] { return replayed(part); }),
+                next = std::size_t{0}]() mutable -> std::span<const TickRecord> {
+            if (next == replay->chunks()) {
+                return {};
+            }
+            const std::size_t i = next++;
+            try {
+                return ticks_in(of_part(part, [&] { return replay->chunk(i, closest); }), range);
+            } catch (const SampleError&) {
+                replay->gives_up();
+                throw;
+            }
+        };
     }
     HipSource source;
     if ((columns & kHipColumns) != 0) {
@@ -249,7 +226,7 @@ std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
 void SampleCursor::start(const SampleScan& scan) {
     scan_ = scan;
     tick_ = nullptr;
-    blocks_.reset();
+    blocks_ = nullptr;
     merged_.reset();
     next_part_ = 0;
     parts_ = scan.nothing ? std::vector<TrialPart>() : store_->parts(scan.trials);
@@ -280,7 +257,7 @@ void SampleCursor::next_block() {
         last_ = block_.back();
         has_last_ = true;
     }
-    block_ = blocks_->next();
+    block_ = blocks_();
     tick_ = block_.empty() ? nullptr : block_.data();
     end_ = tick_ + block_.size();
 }
@@ -302,7 +279,7 @@ void SampleCursor::merge_trial() {
     const std::int64_t trial = parts_[next_part_].trial;
     for (; next_part_ < parts_.size() && parts_[next_part_].trial == trial; ++next_part_) {
         const auto blocks = store_->blocks(parts_[next_part_], scan_.columns, scan_.range);
-        for (auto block = blocks->next(); !block.empty(); block = blocks->next()) {
+        for (auto block = blocks(); !block.empty(); block = blocks()) {
             all.rows.insert(all.rows.end(), block.begin(), block.end());
         }
         all.of.resize(all.rows.size(), parts_[next_part_]);

@@ -30,9 +30,9 @@ public:
 
     /// The ticks of a part, block by block in order. `columns` says which fields of the ticks are
     /// read; others may hold anything.
-    [[nodiscard]] std::unique_ptr<TickBlocks> blocks(const TrialPart& part,
-                                                     SampleColumns columns,
-                                                     const TickRange& range);
+    [[nodiscard]] TickBlocks blocks(const TrialPart& part,
+                                    SampleColumns columns,
+                                    const TickRange& range);
 
 private:
     struct Context {
@@ -106,7 +106,7 @@ private:
     std::vector<TrialPart> parts_;
     std::size_t next_part_ = 0;
     TrialPart part_{};
-    std::unique_ptr<TickBlocks> blocks_;
+    TickBlocks blocks_;
     std::span<const engine::TickRecord> block_;
     const engine::TickRecord* tick_ = nullptr;
     const engine::TickRecord* end_ = nullptr;  ///< of those that lie behind the tick
