@@ -232,7 +232,7 @@ struct ThurstoneFit {
 /// mixed with lapses, lapse / m each. The criteria are the observer's own in all conditions: so
 /// sigma, how well items are distinguished, and the shift, by how much all feel more or less, come
 /// apart, as no share correct can part them. Fisher scoring with Levenberg's damping, the highest
-/// of several hills taken (thurstone_model.hpp); a profile that finds a higher one is made again
+/// of several hills taken (thurstone::highest()); a profile that finds a higher one is made again
 /// there.
 /// @param counts  of each condition, all of the same size
 /// @throws std::invalid_argument with value and remedy: sizes, order, fewer than two responses in

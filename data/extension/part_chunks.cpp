@@ -1,5 +1,3 @@
-#include "data/extension/part_chunks.hpp"
-
 #include <algorithm>
 #include <string_view>
 
@@ -7,6 +5,7 @@
 #include <sqlite3ext.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/extension/sample_cursor.hpp"
 #include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"

@@ -9,7 +9,6 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/realtime/felt_scene.hpp"
-#include "data/extension/part_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
 

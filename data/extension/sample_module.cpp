@@ -13,7 +13,6 @@
 
 #include <sqlite3ext.h>
 
-#include "data/extension/part_chunks.hpp"
 #include "data/extension/sample_cursor.hpp"
 #include "data/trace/columns.hpp"
 

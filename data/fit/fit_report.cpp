@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "data/fit/bootstrap.hpp"
-
 namespace palpate::data {
 namespace {
 

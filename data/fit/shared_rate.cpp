@@ -4,8 +4,8 @@
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/bootstrap.hpp"
 #include "data/fit/curve_fit.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

@@ -1,5 +1,3 @@
-#include "data/sync/postgres_tables.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
+#include "data/sync/postgres.hpp"
 
 namespace palpate::data {
 namespace {

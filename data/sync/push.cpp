@@ -10,7 +10,6 @@
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
 #include "data/sync/postgres.hpp"
-#include "data/sync/postgres_tables.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {
