@@ -1,6 +1,5 @@
 #include "data/store/people.hpp"
 
-
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"

@@ -1,6 +1,5 @@
 #include "data/store/reader.hpp"
 
-
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
