@@ -1,5 +1,3 @@
-#include "data/analysis/people_text.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocols/file/protocol_file.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/statistics/paired.hpp"
 
 namespace palpate::data {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/file/protocol_file.hpp"
-#include "data/analysis/people_text.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/statistics/distributions.hpp"
 #include "data/store/stored_progress.hpp"
 

@@ -10,7 +10,6 @@
 
 #include "engine/base/text.hpp"
 #include "data/analysis/left_out.hpp"
-#include "data/analysis/people_text.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/stored_progress.hpp"
 

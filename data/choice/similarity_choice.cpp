@@ -1,5 +1,3 @@
-#include "data/choice/similarity_choice.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,6 +6,7 @@
 #include <optional>
 
 #include "engine/base/refuse.hpp"
+#include "data/choice/identification.hpp"
 #include "data/statistics/solve.hpp"
 
 namespace palpate::data {

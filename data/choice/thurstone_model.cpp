@@ -1,8 +1,7 @@
-#include "data/choice/thurstone_model.hpp"
-
 #include <numbers>
 #include <numeric>
 
+#include "data/choice/thurstone.hpp"
 #include "data/statistics/solve.hpp"
 
 namespace palpate::data::thurstone {

@@ -15,7 +15,6 @@
 #include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
-#include "data/export/tables.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 

@@ -1,5 +1,3 @@
-#include "data/export/starters.hpp"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -15,6 +13,7 @@
 #include "data/analysis/left_out.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/csv/number_table.hpp"
+#include "data/export/export.hpp"
 
 namespace palpate::data {
 

@@ -1,5 +1,3 @@
-#include "data/export/tables.hpp"
-
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/export/csv_export.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/trace/columns.hpp"
 

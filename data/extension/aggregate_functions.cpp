@@ -35,13 +35,15 @@ double number(const char* name, sqlite3_value* value) {
 /// anew for each of its rows, so that a window says to the bit what the same rows say as a group.
 class Rows {
 public:
-    void add(double x) { values_.push_back(x); }
-    void remove() {
+    void remove(int /*count*/, sqlite3_value** /*values*/) {
         if (++first_ > values_.size() / 2) {
             values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(first_));
             first_ = 0;
         }
     }
+
+protected:
+    void take(double x) { values_.push_back(x); }
     [[nodiscard]] std::span<const double> all() const { return std::span(values_).subspan(first_); }
 
 private:
@@ -50,20 +52,19 @@ private:
 };
 
 /// What a quantile is taken of.
-class Quantile {
+class Quantile : public Rows {
 public:
     void add(int count, sqlite3_value** values) {
         const double x = number(count == 1 ? "median" : "quantile", values[0]);
         const double share = count == 1 ? 0.5 : number("quantile", values[1]);
-        if (!(share >= 0.0 && share <= 1.0) || (!rows_.all().empty() && share != share_)) {
+        if (!(share >= 0.0 && share <= 1.0) || (!all().empty() && share != share_)) {
             throw Refused{"quantile: give one share from 0 to 1 for all rows, as quantile(x, 0.9)"};
         }
-        rows_.add(x);
+        take(x);
         share_ = share;
     }
-    void remove(int /*count*/, sqlite3_value** /*values*/) { rows_.remove(); }
     [[nodiscard]] std::optional<double> value() const {
-        std::vector<double> values(rows_.all().begin(), rows_.all().end());
+        std::vector<double> values(all().begin(), all().end());
         if (values.empty()) {
             return std::nullopt;
         }
@@ -80,43 +81,36 @@ public:
     }
 
 private:
-    Rows rows_;
     double share_ = 0.5;
 };
 
-class GeometricMean {
+class GeometricMean : public Rows {
 public:
     void add(int /*count*/, sqlite3_value** values) {
         const double x = number("geometric_mean", values[0]);
         if (!(x > 0.0)) {
             throw Refused{fmt::format("geometric_mean: {} is not above 0: leave such rows out", x)};
         }
-        logs_.add(std::log(x));
+        take(std::log(x));
     }
-    void remove(int /*count*/, sqlite3_value** /*values*/) { logs_.remove(); }
     [[nodiscard]] std::optional<double> value() const {
         double sum = 0.0;
-        for (const double log : logs_.all()) {
+        for (const double log : all()) {
             sum += log;
         }
-        return logs_.all().empty()
-                 ? std::nullopt
-                 : std::optional(std::exp(sum / static_cast<double>(logs_.all().size())));
+        return all().empty() ? std::nullopt
+                             : std::optional(std::exp(sum / static_cast<double>(all().size())));
     }
-
-private:
-    Rows logs_;
 };
 
-class StandardDeviation {
+class StandardDeviation : public Rows {
 public:
-    void add(int /*count*/, sqlite3_value** values) { rows_.add(number("stddev_samp", values[0])); }
-    void remove(int /*count*/, sqlite3_value** /*values*/) { rows_.remove(); }
+    void add(int /*count*/, sqlite3_value** values) { take(number("stddev_samp", values[0])); }
     [[nodiscard]] std::optional<double> value() const {
         double n = 0.0;
         double mean = 0.0;
         double squares = 0.0;
-        for (const double x : rows_.all()) {
+        for (const double x : all()) {
             n += 1.0;
             const double before = x - mean;
             mean += before / n;
@@ -124,9 +118,6 @@ public:
         }
         return n < 2.0 ? std::nullopt : std::optional(std::sqrt(squares / (n - 1.0)));
     }
-
-private:
-    Rows rows_;
 };
 
 class ShareOf {
@@ -154,7 +145,7 @@ private:
 
 /// An end of the interval over people; a row is a person.
 template <bool Share, double Interval::*End>
-class OverPeople {
+class OverPeople : public Rows {
 public:
     void add(int /*count*/, sqlite3_value** values) {
         const double x = number(kName, values[0]);
@@ -162,21 +153,18 @@ public:
             throw Refused{fmt::format("{}: {} is no {}", kName, x,
                                       Share ? "share from 0 to 1" : "finite number")};
         }
-        people_.add(x);
+        take(x);
     }
-    void remove(int /*count*/, sqlite3_value** /*values*/) { people_.remove(); }
     [[nodiscard]] std::optional<double> value() const {
-        if (people_.all().empty()) {
+        if (all().empty()) {
             return std::nullopt;
         }
-        const PeopleMean mean =
-            Share ? mean_share_over_people(people_.all()) : mean_over_people(people_.all());
+        const PeopleMean mean = Share ? mean_share_over_people(all()) : mean_over_people(all());
         return mean.interval ? std::optional((*mean.interval).*End) : std::nullopt;
     }
 
 private:
     static constexpr const char* kName = Share ? "people_share" : "people_mean";
-    Rows people_;
 };
 
 template <double Information::*Kind>
@@ -231,8 +219,8 @@ Aggregate** state(sqlite3_context* context, int bytes) {
     return static_cast<Aggregate**>(sqlite3_aggregate_context(context, bytes));
 }
 
-/// A row comes (`change` is add) or, out of a window's frame, goes.
-template <class Aggregate, void (Aggregate::*change)(int, sqlite3_value**)>
+/// A row comes or, out of a window's frame, goes.
+template <class Aggregate, bool comes>
 void step(sqlite3_context* context, int count, sqlite3_value** values) {
     if (any_null(count, values)) {
         return;
@@ -246,7 +234,7 @@ void step(sqlite3_context* context, int count, sqlite3_value** values) {
         if (*aggregate == nullptr) {
             *aggregate = new Aggregate;
         }
-        ((*aggregate)->*change)(count, values);
+        comes ? (*aggregate)->add(count, values) : (*aggregate)->remove(count, values);
     } catch (const Refused& refused) {
         sqlite3_result_error(context, refused.why.c_str(), static_cast<int>(refused.why.size()));
     } catch (const std::exception&) {
@@ -279,10 +267,10 @@ void finish(sqlite3_context* context) {
 
 template <class Aggregate>
 int add(sqlite3* db, const char* name, int arguments) {
-    return sqlite3_create_window_function(
-        db, name, arguments, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS, nullptr,
-        step<Aggregate, &Aggregate::add>, finish<Aggregate>, value<Aggregate>,
-        step<Aggregate, &Aggregate::remove>, nullptr);
+    return sqlite3_create_window_function(db, name, arguments,
+                                          SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS,
+                                          nullptr, step<Aggregate, true>, finish<Aggregate>,
+                                          value<Aggregate>, step<Aggregate, false>, nullptr);
 }
 
 /// R's SQLite brings a median of its own, the same one. SQLite says busy there, since the statement

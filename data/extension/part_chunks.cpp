@@ -1,16 +1,28 @@
-#include "data/extension/part_chunks.hpp"
-
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
+#include <sqlite3ext.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/extension/sample_cursor.hpp"
 #include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
 #include "data/trace/ticks.hpp"
 
+SQLITE_EXTENSION_INIT3
+
 namespace palpate::data {
+
+void fail_asking(const Connection& connection, std::string_view doing) {
+    throw SampleError(fmt::format("{}: {}",
+                                  doing.starts_with("preparing")
+                                      ? "this is not a palpate database, or a damaged one"
+                                  : doing.starts_with("giving") ? "asking for ticks"
+                                                                : "reading ticks",
+                                  sqlite3_errmsg(connection.handle)));
+}
 
 void fail(const TrialPart& part, const std::string& why) {
     throw SampleError(
@@ -32,17 +44,17 @@ std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord>
     return {first, last};
 }
 
-PartChunks::PartChunks(StatementCache& db, const TrialPart& part)
+PartChunks::PartChunks(const Connection& db, const TrialPart& part)
     : part_(part),
       rows_(db,
             "SELECT first_tick, ticks, codec, crc32, period_ns, holds, derived, data FROM "
             "main.trace_chunk WHERE trial_id = ?1 AND interval = ?2 AND first_tick = ?3") {
-    Query heads(db,
-                "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial_id = ?1 AND interval = "
-                "?2 ORDER BY first_tick");
-    heads.bind(1, part.trial).bind(2, part.interval);
     std::vector<std::int64_t> counts;
-    while (heads.step()) {
+    for (Statement heads(db,
+                         "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial_id = ?1 AND "
+                         "interval = ?2 ORDER BY first_tick",
+                         part.trial, part.interval);
+         heads.step();) {
         first_ticks_.push_back(heads.integer(0));
         counts.push_back(heads.integer(1));
     }
@@ -71,9 +83,9 @@ using C = SampleColumn;
 
 constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
-class StoredBlocks : public TickBlocks {
+class StoredBlocks {
 public:
-    StoredBlocks(StatementCache& db,
+    StoredBlocks(const Connection& db,
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
@@ -92,7 +104,7 @@ public:
         next_ = of_part(part_, [this] { return first_chunk(); });
     }
 
-    std::span<const TickRecord> next() override {
+    std::span<const TickRecord> next() {
         if (next_ == chunks_.size() || chunks_.first_tick(next_) > range_.last) {
             return {};
         }
@@ -251,13 +263,14 @@ private:
 
 }  // namespace
 
-void PartChunks::require_all(StatementCache& db, const std::vector<std::int64_t>& counts) {
-    Query stored(
+void PartChunks::require_all(const Connection& db, const std::vector<std::int64_t>& counts) {
+    Statement stored(
         db,
         "SELECT session.session_id, rate_hz, felt.ticks FROM main.trial JOIN "
         "main.presentation AS felt ON felt.trial_id = trial.trial_id AND felt.interval = ?2 "
-        "JOIN main.session USING (session_id) WHERE trial.trial_id = ?1");
-    if (!stored.bind(1, part_.trial).bind(2, part_.interval).step()) {
+        "JOIN main.session USING (session_id) WHERE trial.trial_id = ?1",
+        part_.trial, part_.interval);
+    if (!stored.step()) {
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
     period_ns_ = engine::tick_period_ns(stored.real(1));
@@ -266,10 +279,11 @@ void PartChunks::require_all(StatementCache& db, const std::vector<std::int64_t>
     if (missing.empty()) {
         return;
     }
-    Query lost(db,
-               "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost' UNION "
-               "ALL SELECT 1 FROM main.session_provenance WHERE session_id = ?1 AND key = 'traces' "
-               "AND value = 'none'");
+    Statement lost(
+        db,
+        "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost' UNION "
+        "ALL SELECT 1 FROM main.session_provenance WHERE session_id = ?1 AND key = 'traces' "
+        "AND value = 'none'");
     if (!lost.bind(1, stored.integer(0)).step()) {
         fail(part_, missing);
     }
@@ -302,12 +316,14 @@ PartChunk PartChunks::at(std::size_t i) {
     return chunk;
 }
 
-std::unique_ptr<TickBlocks> stored_blocks(StatementCache& db,
-                                          const TrialPart& part,
-                                          SampleColumns columns,
-                                          const TickRange& range,
-                                          const HipSource& source) {
-    return std::make_unique<StoredBlocks>(db, part, columns, range, source);
+TickBlocks stored_blocks(const Connection& db,
+                         const TrialPart& part,
+                         SampleColumns columns,
+                         const TickRange& range,
+                         const HipSource& source) {
+    return [blocks = std::make_shared<StoredBlocks>(db, part, columns, range, source)] {
+        return blocks->next();
+    };
 }
 
 }  // namespace palpate::data

@@ -9,7 +9,6 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/realtime/felt_scene.hpp"
-#include "data/extension/part_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
 
@@ -85,56 +84,22 @@ private:
     bool given_up_ = false;
 };
 
-namespace {
-
-/// Chunk by chunk, while those to come are worked on.
-class ReplayedBlocks : public TickBlocks {
-public:
-    ReplayedBlocks(const TrialPart& part,
-                   std::shared_ptr<PartReplay> replay,
-                   bool closest,
-                   const TickRange& range)
-        : part_(part), replay_(std::move(replay)), closest_(closest), range_(range) {}
-    std::span<const TickRecord> next() override {
-        if (next_ == replay_->chunks()) {
-            return {};
-        }
-        const std::size_t i = next_++;
-        try {
-            return ticks_in(of_part(part_, [&] { return replay_->chunk(i, closest_); }), range_);
-        } catch (const SampleError&) {
-            replay_->gives_up();
-            throw;
-        }
-    }
-
-private:
-    TrialPart part_;
-    std::shared_ptr<PartReplay> replay_;
-    bool closest_;
-    TickRange range_;
-    std::size_t next_ = 0;
-};
-
-}  // namespace
-
 TickStore::Context TickStore::context_of(const TrialPart& part) {
-    Query row(db_,
-              "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
-              "plan.friction), coalesce(felt.slip_decay, 0), "
-              "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
-              "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
-              "main.session_provenance AS p "
-              "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
-              "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
-              "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
-              "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1");
-    if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
+    Statement row(
+        db_,
+        "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
+        "plan.friction), coalesce(felt.slip_decay, 0), "
+        "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
+        "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
+        "main.session_provenance AS p "
+        "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
+        "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
+        "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
+        "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1",
+        part.trial, part.interval);
+    if (!row.step()) {
         fail(part, "it has ticks, but no row in trial");
     }
-    const auto number = [&row](int column) {
-        return row.null(column) ? std::nullopt : std::optional(row.real(column));
-    };
     const std::pair key(row.text(8), row.text(9));
     auto session = sessions_.find(key);
     if (session == sessions_.end()) {
@@ -144,10 +109,10 @@ TickStore::Context TickStore::context_of(const TrialPart& part) {
                       .friction = row.text(1),
                       .slip_decay = row.real(2),
                       .heal_decay = row.real(3),
-                      .curvature = number(4),
-                      .mu_s = number(5),
-                      .mu_d = number(6),
-                      .stimulus = number(7)},
+                      .curvature = row.real_or_none(4),
+                      .mu_s = row.real_or_none(5),
+                      .mu_d = row.real_or_none(6),
+                      .stimulus = row.real_or_none(7)},
             .session = &session->second};
 }
 
@@ -206,11 +171,11 @@ Ticks TickStore::make_room() {
 /// ticks.
 void TickStore::require_one_study() {
     // Statements: a table of the file may be called pragma_database_list.
-    for (Query others(db_, "PRAGMA database_list"); others.step();) {
+    for (Statement others(db_, "PRAGMA database_list"); others.step();) {
         const std::string name = others.text(1);
         refuse_if<SampleError>(
             name != "main" && name != "temp" &&
-                Query(db_, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
+                Statement(db_, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
             "sample is of the file that was opened first, and another palpate database is "
             "attached: DETACH {}, and ask each by itself",
             name);
@@ -220,25 +185,34 @@ void TickStore::require_one_study() {
 std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     require_one_study();
     // A part whose chunks are gone is one too: it is refused.
-    std::vector<TrialPart> parts;
-    Query query(db_,
-                "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
-                "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
-                "AND ?2 AND ticks > 0 ORDER BY 1, 2");
-    query.bind(1, trials.first).bind(2, trials.last);
-    while (query.step()) {
-        parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
-    }
-    return parts;
+    Statement part(
+        db_,
+        "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
+        "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
+        "AND ?2 AND ticks > 0 ORDER BY 1, 2",
+        trials.first, trials.last);
+    return part.all([](const Statement& row) {
+        return TrialPart{.trial = row.integer(0), .interval = row.integer(1)};
+    });
 }
 
-std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
-                                              SampleColumns columns,
-                                              const TickRange& range) {
+TickBlocks TickStore::blocks(const TrialPart& part, SampleColumns columns, const TickRange& range) {
     if ((columns & kReplayedColumns) != 0) {
         const bool closest = (columns & kClosestColumns) != 0;
-        return std::make_unique<ReplayedBlocks>(part, of_part(part, [&] { return replayed(part); }),
-                                                closest, range);
+        // Chunk by chunk, while those to come are worked on.
+        return [part, range, closest, replay = of_part(part, [&] { return replayed(part); }),
+                next = std::size_t{0}]() mutable -> std::span<const TickRecord> {
+            if (next == replay->chunks()) {
+                return {};
+            }
+            const std::size_t i = next++;
+            try {
+                return ticks_in(of_part(part, [&] { return replay->chunk(i, closest); }), range);
+            } catch (const SampleError&) {
+                replay->gives_up();
+                throw;
+            }
+        };
     }
     HipSource source;
     if ((columns & kHipColumns) != 0) {
@@ -251,7 +225,7 @@ std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
 void SampleCursor::start(const SampleScan& scan) {
     scan_ = scan;
     tick_ = nullptr;
-    blocks_.reset();
+    blocks_ = nullptr;
     merged_.reset();
     next_part_ = 0;
     parts_ = scan.nothing ? std::vector<TrialPart>() : store_->parts(scan.trials);
@@ -282,7 +256,7 @@ void SampleCursor::next_block() {
         last_ = block_.back();
         has_last_ = true;
     }
-    block_ = blocks_->next();
+    block_ = blocks_();
     tick_ = block_.empty() ? nullptr : block_.data();
     end_ = tick_ + block_.size();
 }
@@ -304,7 +278,7 @@ void SampleCursor::merge_trial() {
     const std::int64_t trial = parts_[next_part_].trial;
     for (; next_part_ < parts_.size() && parts_[next_part_].trial == trial; ++next_part_) {
         const auto blocks = store_->blocks(parts_[next_part_], scan_.columns, scan_.range);
-        for (auto block = blocks->next(); !block.empty(); block = blocks->next()) {
+        for (auto block = blocks(); !block.empty(); block = blocks()) {
             all.rows.insert(all.rows.end(), block.begin(), block.end());
         }
         all.of.resize(all.rows.size(), parts_[next_part_]);

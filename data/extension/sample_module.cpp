@@ -13,8 +13,6 @@
 
 #include <sqlite3ext.h>
 
-#include "data/extension/part_chunks.hpp"
-#include "data/extension/query.hpp"
 #include "data/extension/sample_cursor.hpp"
 #include "data/trace/columns.hpp"
 
@@ -372,10 +370,10 @@ sqlite3_module make_module() {
 
 bool has_own_sample(sqlite3* db) {
     try {
-        StatementCache database(db);
-        return Query(database,
-                     "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
-                     " AND type IN ('table', 'view')")
+        const LentConnection database(db);
+        return Statement(database,
+                         "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
+                         " AND type IN ('table', 'view')")
             .step();
     } catch (const SampleError&) {
         return false;  // whoever asks for ticks hears why the file cannot be read

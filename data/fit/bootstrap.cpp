@@ -1,11 +1,10 @@
-#include "data/fit/bootstrap.hpp"
-
 #include <limits>
 #include <map>
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/optimum.hpp"
+#include "data/fit/curve_fit.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

@@ -1,5 +1,3 @@
-#include "data/fit/curve_model.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/curve_fit.hpp"
 
 namespace palpate::data {
 namespace {

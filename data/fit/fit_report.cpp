@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "data/fit/shared_rate.hpp"
-
 namespace palpate::data {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "data/fit/optimum.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/curve_fit.hpp"
 #include "data/statistics/solve.hpp"
 
 namespace palpate::data {

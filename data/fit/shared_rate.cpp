@@ -1,12 +1,11 @@
-#include "data/fit/shared_rate.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/optimum.hpp"
+#include "data/fit/curve_fit.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

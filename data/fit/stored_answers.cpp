@@ -1,5 +1,3 @@
-#include "data/fit/stored_answers.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,9 +10,10 @@
 #include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/progress.hpp"
-#include "data/analysis/people_text.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
+#include "data/fit/fit_report.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/stored_progress.hpp"
 

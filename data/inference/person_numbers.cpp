@@ -1,5 +1,3 @@
-#include "data/inference/person_numbers.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "engine/base/pcg32.hpp"
+#include "data/inference/stats_report.hpp"
 
 namespace palpate::data {
 namespace {

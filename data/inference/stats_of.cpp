@@ -5,7 +5,6 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/inference/stats_report.hpp"
-#include "data/inference/stats_tables.hpp"
 
 namespace palpate::data {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "data/inference/stats_tables.hpp"
+#include "data/inference/stats_report.hpp"
 
 namespace palpate::data {
 namespace {

@@ -1,5 +1,3 @@
-#include "data/inference/stats_tables.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "protocols/file/keys.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/inference/power.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/statistics/distributions.hpp"
 
 namespace palpate::data {

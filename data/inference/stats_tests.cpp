@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "data/inference/stats_tables.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/statistics/distributions.hpp"
 
 namespace palpate::data {

@@ -8,7 +8,6 @@
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
 namespace {

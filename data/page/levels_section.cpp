@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "data/analysis/people_text.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/analysed.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
-#include "data/inference/stats_tables.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/page/sections.hpp"
 
 namespace palpate::data {

@@ -3,8 +3,8 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/procedure/procedure.hpp"
-#include "data/analysis/people_text.hpp"
-#include "data/inference/stats_tables.hpp"
+#include "data/analysis/summary.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/stored_progress.hpp"
 

@@ -1,13 +1,12 @@
-#include "data/page/study_page.hpp"
-
 #include <algorithm>
 #include <future>
 
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "data/fit/stored_answers.hpp"
+#include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
+#include "data/page/study.hpp"
 #include "data/store/analysed.hpp"
 
 namespace palpate::data {

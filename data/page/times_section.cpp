@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/inference/stats_tables.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/page/sections.hpp"
 
 namespace palpate::data {

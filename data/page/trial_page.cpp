@@ -6,9 +6,9 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
-#include "data/analysis/people_text.hpp"
-#include "data/page/study_page.hpp"
-#include "data/page/trial_trace.hpp"
+#include "data/analysis/summary.hpp"
+#include "data/page/sections.hpp"
+#include "data/page/study.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/reader.hpp"

@@ -12,7 +12,7 @@
 #include "stimuli/free_outline.hpp"
 #include "stimuli/surface_patch.hpp"
 #include "protocols/session/exploration_meter.hpp"
-#include "data/page/trial_trace.hpp"
+#include "data/page/sections.hpp"
 
 namespace palpate::data {
 namespace {

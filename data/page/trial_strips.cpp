@@ -9,7 +9,7 @@
 #include "engine/realtime/felt_scene.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/page/html.hpp"
-#include "data/page/trial_trace.hpp"
+#include "data/page/sections.hpp"
 
 namespace palpate::data {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-/// What a figure shows; svg_figure.hpp draws it.
+/// What a figure shows, and its drawing.
 namespace palpate::data {
 
 /// Colours that stay apart for colour-blind readers (Okabe & Ito 2008), dark enough on white.
@@ -147,5 +147,12 @@ struct Figure {
     std::string caption{};  ///< wrapped to the width
     double width = 760.0;   ///< px, 200 to 10000
 };
+
+/// The figure as a standalone SVG 1.1 text, without scripts, fonts or files of its own. The same
+/// figure gives the same bytes. Points nearer than 0.15 px to the one drawn before are left out of
+/// a line.
+/// @throws std::invalid_argument: x and y of different length, no panel, an empty or non-positive
+///         log range, sizes out of range
+[[nodiscard]] std::string svg(const Figure& figure);
 
 }  // namespace palpate::data

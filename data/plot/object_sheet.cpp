@@ -9,7 +9,6 @@
 
 #include "protocols/design/object_outline.hpp"
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
 namespace {

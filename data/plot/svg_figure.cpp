@@ -1,14 +1,11 @@
-#include "data/plot/svg_figure.hpp"
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
+#include "data/plot/figure.hpp"
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 
 // What a panel draws inside its axes: lines, points, arrows and numbered markers.
 namespace palpate::data {

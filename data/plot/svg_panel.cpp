@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
 namespace {

@@ -5,10 +5,65 @@
 #include <vector>
 
 #include "engine/geometry/vec.hpp"
-#include "data/plot/axis_ticks.hpp"
 #include "data/plot/figure.hpp"
 
 namespace palpate::data {
+
+/// `text` for XML: the five special characters as entities, control characters left out, bytes that
+/// are no UTF-8 as U+FFFD.
+[[nodiscard]] std::string xml_escaped(std::string_view text);
+
+/// A coordinate or size with two decimals, never "-0.00".
+[[nodiscard]] std::string px(double value);
+
+/// Width of `text` in a sans-serif font of `size` px, from a table of letter classes: DejaVu Sans,
+/// which is wide, so that most other fonts take less.
+[[nodiscard]] double text_width(std::string_view text, double size);
+
+/// Lines of at most `width` px, broken at spaces (a longer word stands alone) and at "\n".
+[[nodiscard]] std::vector<std::string> wrapped(std::string_view text, double width, double size);
+
+/// `n` in superscript digits: "⁻³".
+[[nodiscard]] std::string superscript(int n);
+
+enum class Anchor { start, middle, end };
+
+/// One <text> element; `text` is escaped here. `extra`: further attributes, as they are.
+[[nodiscard]] std::string svg_text(double x,
+                                   double y,
+                                   std::string_view text,
+                                   double size,
+                                   Anchor anchor = Anchor::start,
+                                   std::string_view extra = {});
+
+/// The stretch of numbers an axis shows, low < high; on a log axis low > 0.
+struct AxisRange {
+    double low = 0.0;
+    double high = 1.0;
+    bool log = false;
+
+    /// Place of `value` along the axis: 0 at low, 1 at high.
+    [[nodiscard]] double share(double value) const;
+    /// Can be drawn: finite, and above 0 on a log axis.
+    [[nodiscard]] bool holds(double value) const;
+};
+
+/// A mark on an axis.
+struct AxisTick {
+    double at = 0.0;
+    std::string label;  ///< empty for a minor tick
+};
+
+/// All marks of an axis, rising.
+struct AxisTicks {
+    std::vector<AxisTick> ticks;
+    int exponent = 0;  ///< labels are values / 10^exponent; a multiple of 3
+};
+
+/// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them. A log axis has its decades
+/// labelled (every n-th if there are many) and minor ticks at 2 to 9; within less than a decade its
+/// ticks are those of a linear one.
+[[nodiscard]] AxisTicks nice_ticks(const AxisRange& range, int wanted);
 
 inline constexpr double kTitleSize = 13.0;  ///< px, of text
 inline constexpr double kTextSize = 11.5;   ///< px

@@ -1,11 +1,11 @@
-#include "data/shell/row_printer.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <ranges>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,6 +13,7 @@
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/json_text.hpp"
+#include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
 namespace {
@@ -22,23 +23,25 @@ constexpr std::size_t kLookedAt = 1000;
 constexpr std::size_t kHeldBytes = 16'000'000;  ///< or so much of rows
 constexpr std::size_t kWidestCell = 1000;       ///< characters of a table's cell
 
-std::string hexadecimal(const std::string& bytes) {
+std::string hexadecimal(std::span<const std::byte> bytes) {
     const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
     return fmt::format("{:02X}", fmt::join(first, first + bytes.size(), ""));
 }
 
-std::string bare(const SqlValue& cell) {
+std::string bare(const ColumnValue& cell) {
     struct Visitor {
         std::string operator()(std::monostate) const { return {}; }
         std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
         std::string operator()(double value) const { return fmt::format("{}", value); }
         std::string operator()(const std::string& text) const { return text; }
-        std::string operator()(const BlobCell& blob) const { return hexadecimal(blob.bytes); }
+        std::string operator()(std::span<const std::byte> bytes) const {
+            return hexadecimal(bytes);
+        }
     };
     return std::visit(Visitor{}, cell);
 }
 
-bool is_number(const SqlValue& cell) {
+bool is_number(const ColumnValue& cell) {
     return std::holds_alternative<std::int64_t>(cell) || std::holds_alternative<double>(cell);
 }
 
@@ -50,10 +53,10 @@ std::size_t width_of(std::string_view text) {
 }
 
 /// A text or blob of a table as its beginning and an ellipsis. @return bytes
-std::size_t cut(SqlValue& cell) {
-    if (auto* blob = std::get_if<BlobCell>(&cell)) {
-        const bool longer = 2 * blob->bytes.size() > kWidestCell;
-        std::string text = hexadecimal(blob->bytes.substr(0, kWidestCell / 2));
+std::size_t cut(ColumnValue& cell) {
+    if (const auto* blob = std::get_if<std::span<const std::byte>>(&cell)) {
+        const bool longer = 2 * blob->size() > kWidestCell;
+        std::string text = hexadecimal(blob->first(std::min(blob->size(), kWidestCell / 2)));
         cell = longer ? text + "…" : std::move(text);
     } else if (auto* text = std::get_if<std::string>(&cell);
                text != nullptr && text->size() > kWidestCell) {
@@ -67,12 +70,12 @@ std::size_t cut(SqlValue& cell) {
     return sizeof cell + (text == nullptr ? 0 : text->size());
 }
 
-std::string csv_of(const SqlValue& cell) {
+std::string csv_of(const ColumnValue& cell) {
     const auto* text = std::get_if<std::string>(&cell);
     return text == nullptr ? bare(cell) : csv_field(*text);
 }
 
-std::string json_value(const SqlValue& cell) {
+std::string json_value(const ColumnValue& cell) {
     if (const auto* real = std::get_if<double>(&cell)) {
         return std::isnan(*real) ? "null"
              : std::isinf(*real) ? (*real > 0.0 ? "1e999" : "-1e999")
@@ -110,7 +113,7 @@ RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string
     }
 }
 
-void RowPrinter::row(std::vector<SqlValue> cells) {
+void RowPrinter::row(std::vector<ColumnValue> cells) {
     ++rows_;
     if (format_ == RowFormat::csv) {
         const auto line = fmt::format("{}", fmt::join(std::views::transform(cells, csv_of), ","));
@@ -124,8 +127,8 @@ void RowPrinter::row(std::vector<SqlValue> cells) {
     }
 }
 
-void RowPrinter::table_row(std::vector<SqlValue> cells) {
-    for (SqlValue& cell : cells) {
+void RowPrinter::table_row(std::vector<ColumnValue> cells) {
+    for (ColumnValue& cell : cells) {
         held_ += cut(cell);
     }
     if (head_printed_) {
@@ -155,8 +158,8 @@ void RowPrinter::print_table_rows() {
             widths_[i] = std::max(widths_[i], width_of(plain(bare(cells[i]))));
         }
     }
-    std::vector<SqlValue> head(names_.begin(), names_.end());
-    std::vector<SqlValue> line;
+    std::vector<ColumnValue> head(names_.begin(), names_.end());
+    std::vector<ColumnValue> line;
     for (const std::size_t width : widths_) {
         line.emplace_back(std::string(width, '-'));
     }
@@ -167,7 +170,7 @@ void RowPrinter::print_table_rows() {
     }
 }
 
-void RowPrinter::print_table_row(const std::vector<SqlValue>& cells) const {
+void RowPrinter::print_table_row(const std::vector<ColumnValue>& cells) const {
     std::string line;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const std::string text = plain(bare(cells[i]));
@@ -180,7 +183,7 @@ void RowPrinter::print_table_row(const std::vector<SqlValue>& cells) const {
     fmt::print(out_, "{}\n", line);
 }
 
-void RowPrinter::print_json_row(const std::vector<SqlValue>& cells) {
+void RowPrinter::print_json_row(const std::vector<ColumnValue>& cells) {
     std::string text = rows_ == 1 ? "[{" : ",\n{";
     for (std::size_t i = 0; i < cells.size(); ++i) {
         text += fmt::format("{}{}: {}", i > 0 ? ", " : "", json_string(names_[i]),

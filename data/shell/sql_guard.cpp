@@ -1,5 +1,3 @@
-#include "data/shell/sql_guard.hpp"
-
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -11,6 +9,7 @@
 #include <unistd.h>
 
 #include "engine/base/text.hpp"
+#include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/trace/sample_columns.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -43,26 +43,6 @@ struct Finalize {
 };
 using Prepared = std::unique_ptr<sqlite3_stmt, Finalize>;
 
-SqlValue sql_value(sqlite3_stmt* row, int column) {
-    const auto bytes = [&] {
-        const auto* data = static_cast<const char*>(sqlite3_column_blob(row, column));
-        const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, column));
-        return data == nullptr ? std::string() : std::string(data, size);
-    };
-    switch (sqlite3_column_type(row, column)) {
-        case SQLITE_INTEGER:
-            return std::int64_t{sqlite3_column_int64(row, column)};
-        case SQLITE_FLOAT:
-            return sqlite3_column_double(row, column);
-        case SQLITE_TEXT:
-            return bytes();
-        case SQLITE_BLOB:
-            return BlobCell{bytes()};
-        default:
-            return {};
-    }
-}
-
 /// Words of a sentence in lines of at most 64 characters, so that a table fits a window. A word
 /// longer than that has a line of its own.
 std::vector<std::string> wrapped(std::string_view sentence, RowFormat format) {
@@ -84,13 +64,13 @@ std::vector<std::string> wrapped(std::string_view sentence, RowFormat format) {
 /// A row whose last cell is a sentence; what does not fit goes on below it.
 void print_row(RowPrinter& printer,
                RowFormat format,
-               std::vector<SqlValue> cells,
+               std::vector<ColumnValue> cells,
                std::string_view sentence) {
     for (const std::string& line : wrapped(sentence, format)) {
-        std::vector<SqlValue> row = cells;
+        std::vector<ColumnValue> row = cells;
         row.emplace_back(line);
         printer.row(std::move(row));
-        std::fill(cells.begin(), cells.end(), SqlValue(std::string()));
+        std::fill(cells.begin(), cells.end(), ColumnValue(std::string()));
     }
 }
 
@@ -216,9 +196,9 @@ int SqlShell::print_rows(sqlite3_stmt* raw) {
     if (columns > 0 && (step == SQLITE_ROW || step == SQLITE_DONE)) {
         RowPrinter printer(out_, format_, std::move(names));
         for (; step == SQLITE_ROW; step = next()) {
-            std::vector<SqlValue> cells;
+            std::vector<ColumnValue> cells;
             for (int i = 0; i < columns; ++i) {
-                cells.push_back(sql_value(raw, i));
+                cells.push_back(column_value(raw, i));
             }
             printer.row(std::move(cells));
         }

@@ -8,7 +8,6 @@
 
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
-#include "data/store/study_row.hpp"
 
 /// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's
 /// end carry the head that they made. Who edits, removes or reorders anything before a head has to
@@ -24,6 +23,21 @@
 /// `participant`) is an event; trial.invalid goes in as it was at the end of the trial, and must be
 /// what the mark says. The same holds of whose session it is and of withdrawn_reason.
 namespace palpate::data {
+
+/// A value that is not the one that was chained, or not what follows from another.
+struct ChainBreak {
+    std::int64_t trial = 0;  ///< 0: of the session as a whole
+    std::string what;        ///< table.column; of an event which
+    std::string stored;
+    std::string recomputed;
+};
+
+/// Where a study's row does not follow from its text: the SHA-256, by which its sessions know it,
+/// the name and the title. No seal of a session is over the text.
+[[nodiscard]] std::vector<ChainBreak> study_breaks(Database& database, std::int64_t study);
+
+/// @throws StoreError if a study is not what its text says (study_breaks())
+void require_study(Database& database, std::int64_t study);
 
 /// Writes the head of a trial that has just got its outcome. In the caller's transaction, as its
 /// last words.

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
@@ -24,14 +23,6 @@
 
 namespace palpate::data {
 namespace {
-
-/// An empty file of one's own, before SQLite makes one that others can read.
-/// @return whether it was made: there was none
-bool make_private_file(const std::string& file) {
-    const int fd =
-        open(plain_name(file).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    return fd >= 0 && close(fd) == 0;
-}
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
 /// @throws WrongFile if there is something else than a file under the name of the database, or of
@@ -108,7 +99,8 @@ std::string utc_text(const timespec& now) {
 
 }  // namespace
 
-Database::Database(std::string file, Access access) : connection_{.file = std::move(file)} {
+Database::Database(std::string file, Access access)
+    : connection_{.file = std::move(file), .failed = fail_with_remedy} {
     try {
         open(access);
     } catch (...) {
@@ -161,7 +153,7 @@ void Database::open(Access access) {
     require_plain_files(connection_.file);
     require_not_elsewhere(connection_.file);
     if (access == Access::write) {
-        made_ = make_private_file(connection_.file);
+        made_ = made_private(connection_.file);
     } else if (::access(plain_name(connection_.file).c_str(), R_OK) != 0) {
         throw WrongFile(fmt::format("{}: {}", connection_.file,
                                     errno == ENOENT || errno == ENOTDIR

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 struct sqlite3;
 
@@ -16,6 +16,10 @@ enum class Access { read, write, memory, inspect };
 
 /// Whether a file begins as those of SQLite do. False where it cannot be read.
 [[nodiscard]] bool is_database(const std::string& file);
+
+/// Connection::failed of a file: what SQLite's last error is, and what to do about it.
+/// @throws StoreError, LockedFile or DiskError
+[[noreturn]] void fail_with_remedy(const Connection& connection, std::string_view doing);
 
 /// One palpate database file.
 class Database {

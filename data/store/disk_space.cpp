@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -14,7 +15,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 namespace palpate::data {
 
@@ -63,6 +64,11 @@ std::string immutable_uri(const std::string& file) {
         uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned>(c));
     }
     return uri + "?immutable=1";
+}
+
+bool made_private(const std::string& file) {
+    const int made = open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    return made >= 0 && close(made) == 0;
 }
 
 void require_not_elsewhere(const std::string& file) {

@@ -28,6 +28,10 @@ void require_space(const std::string& file,
 /// The file as a URI of one that cannot change, for SQLite to read it without any file beside it.
 [[nodiscard]] std::string immutable_uri(const std::string& file);
 
+/// An empty file of one's own, before SQLite makes one that others can read.
+/// @return whether it was made: there was none
+[[nodiscard]] bool made_private(const std::string& file);
+
 /// A new file would begin what another one holds already, and to read it finds nothing.
 /// @throws WrongFile where a link leads to none, what was rescued waits for the file's name, or a
 /// log is beside it that is another's: SQLite would delete it

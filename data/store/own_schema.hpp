@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 /// The whole schema of a file against the catalogue. A file can come from anywhere, and its schema
 /// is a program: triggers that change what is written, views that say something else, a table that
@@ -35,6 +35,10 @@ struct SchemaDifference {
 [[nodiscard]] std::string ordered_elsewhere(const Connection& file);
 /// "mine, theirs": tables that somebody added and that refer to others.
 [[nodiscard]] std::string referring_tables(const Connection& file);
+
+/// Of a damaged page fewer rows may be read, and nothing said: each is looked at, but for those of
+/// ticks, which have sums of their own. @throws StoreError by the first one
+void require_sound_pages(const Connection& file);
 
 /// @throws WrongFile that names every difference
 [[noreturn]] void refuse_schema(const Connection& file,

@@ -1,7 +1,5 @@
 #include "data/store/people.hpp"
 
-#include <stdexcept>
-
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"

@@ -1,7 +1,5 @@
 #include "data/store/reader.hpp"
 
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/realtime/tick_record.hpp"
 #include "data/store/database.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/replay.hpp"

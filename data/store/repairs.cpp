@@ -1,4 +1,3 @@
-#include "data/store/repairs.hpp"
 
 #include <algorithm>
 #include <map>

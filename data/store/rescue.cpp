@@ -7,16 +7,23 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/descriptor.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "data/schema/catalogue.hpp"
+#include "data/sql/statement.hpp"
 #include "data/store/database.hpp"
 #include "data/store/disk_space.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/store/session_lock.hpp"
 
-// What becomes of a file that somebody deletes while it is in use, or in which nothing came to be.
+// What becomes of a file that somebody deletes while it is in use, or in which nothing came to be;
+// and what SQLite refuses, with what to do about it.
 namespace palpate::data {
 namespace {
 
@@ -34,20 +41,10 @@ bool was_deleted(const std::string& name) {
     return times_open(name + " (deleted)") > 0;
 }
 
-/// Nobody syncs what VACUUM INTO wrote.
-bool is_on_disk(const std::string& name) {
-    const int there = open(name.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool synced = there >= 0 && fsync(there) == 0;
-    if (there >= 0) {
-        close(there);
-    }
-    return synced;
-}
-
 /// A deleted file's content takes its name again, if nobody has given that to another one. The log
 /// of the deleted one goes first: SQLite would read it into this one.
 bool is_put_back(const std::string& rescued, const std::string& name) {
-    if (access(name.c_str(), F_OK) == 0 || !is_on_disk(rescued)) {
+    if (access(name.c_str(), F_OK) == 0 || !sync_to_disk(rescued)) {  // VACUUM INTO does not
         return false;
     }
     for (const char* beside : {"-shm", "-wal"}) {
@@ -59,12 +56,6 @@ bool is_put_back(const std::string& rescued, const std::string& name) {
            renameat2(AT_FDCWD, rescued.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0;
 }
 
-/// An empty file, of nobody else.
-bool made_private(const std::string& name) {
-    const int made = open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    return made >= 0 && close(made) == 0;
-}
-
 /// Another program has the file open: for as long as its log is, SQLite keeps one of these bytes
 /// locked (SHARED_FIRST and SHARED_SIZE of its os.h). Only before this connection locks any, for
 /// closing a second descriptor drops the locks.
@@ -74,12 +65,8 @@ bool is_in_use(const std::string& file) {
     bytes.l_whence = SEEK_SET;
     bytes.l_start = 0x40000002;
     bytes.l_len = 510;
-    const int there = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool found = there >= 0 && fcntl(there, F_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
-    if (there >= 0) {
-        close(there);
-    }
-    return found;
+    const Descriptor there(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    return there.get() >= 0 && fcntl(there.get(), F_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
 }
 
 /// Pages, indices and references hold, or nobody can say so.
@@ -102,6 +89,62 @@ bool is_sound_alone(const std::string& file) {
     const bool sound = opened && is_sound(alone);
     sqlite3_close(alone.handle);
     return sound;
+}
+
+const char* remedy(int code) {
+    if (code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_SHMOPEN ||
+        code == SQLITE_IOERR_SHMMAP) {
+        return "the index of its log finds no room: the disk is full, and reading needs 32 kB of "
+               "it; free some, or copy the file and its -wal to another disk";
+    }
+    if (code == SQLITE_READONLY_ROLLBACK) {
+        return "a program was killed while it wrote it: whoever opens it to write, as run does, "
+               "takes back what was not whole";
+    }
+    switch (code & 0xFF) {
+        case SQLITE_FULL:
+            return "the disk is full: free some space and run again, what was recorded is kept";
+        case SQLITE_READONLY:
+            return "the file or its folder is read-only: choose another place or change the rights";
+        case SQLITE_BUSY:
+        case SQLITE_LOCKED:
+            return "another program holds a write lock: close it and run again";
+        case SQLITE_CANTOPEN:
+            return "check that the folder exists and may be written";
+        case SQLITE_NOTADB:
+            return "this is not a palpate database: choose another file name";
+        case SQLITE_CORRUPT:
+            return "the file is damaged: keep it, with its -wal and -shm, in another folder, and "
+                   "restore a copy";
+        case SQLITE_IOERR:
+            return "the disk does not take the data: check its space and health";
+        default:
+            return "";
+    }
+}
+
+/// Which files of another user's beside the database may not be written, and what to do; empty:
+/// none. They stay where another palpate or SQLite was killed, or only read.
+std::string in_the_way(const Connection& connection) {
+    const char* file = sqlite3_db_filename(connection.handle, "main");
+    std::string names;
+    std::string whose;
+    for (const char* beside : {"-wal", "-shm"}) {
+        const std::string name = std::string(file == nullptr ? "" : file) + beside;
+        struct stat status {};
+        if (stat(name.c_str(), &status) == 0 && status.st_uid != geteuid() &&
+            faccessat(AT_FDCWD, name.c_str(), R_OK | W_OK, AT_EACCESS) != 0) {
+            const passwd* user = getpwuid(status.st_uid);
+            whose = user != nullptr ? user->pw_name : fmt::format("user {}", status.st_uid);
+            names += (names.empty() ? "" : " ") + connection.file + beside;
+        }
+    }
+    return names.empty() ? ""
+                         : fmt::format(
+                               "what SQLite keeps beside it belongs to {}, and must be "
+                               "yours: when no program has the file open, do sudo chown "
+                               "$USER {}",
+                               whose, names);
 }
 
 }  // namespace
@@ -225,6 +268,65 @@ void Database::rescue_deleted() {
                     "is in {1}: put that in the place of {0}, without {0}-wal and {0}-shm, and run "
                     "again",
                     connection_.file, rescued_));
+}
+
+void fail_with_remedy(const Connection& connection, std::string_view doing) {
+    const std::string& file = connection.file;
+    sqlite3* handle = connection.handle;
+    const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
+    const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
+    std::string what = remedy(code);
+    refuse_if<StoreError>(connection.written_since(),
+                          "{}: it was written to while it was read: do this again", file);
+    if (handle != nullptr) {
+        const bool barred = (code & 0xFF) == SQLITE_READONLY || (code & 0xFF) == SQLITE_CANTOPEN;
+        const std::string theirs = barred ? in_the_way(connection) : "";
+        what = theirs.empty() ? what : theirs;
+    }
+    if (handle != nullptr && message.starts_with("FOREIGN KEY")) {
+        const std::string theirs = referring_tables(connection);
+        what = theirs.empty() ? ""
+                              : fmt::format(
+                                    "a table that was added refers to rows that would change "
+                                    "({}): take its rows or its reference away, and try again",
+                                    theirs);
+    }
+    refuse_if<StoreError>(
+        message.starts_with("UNIQUE constraint"),
+        "{}: what is to be written is there already ({}): rows were changed or deleted by hand; "
+        "palpate verify says which, take a copy from before",
+        file, message);
+    if (message.starts_with("CHECK constraint")) {
+        what =
+            "a value that is to be written is none that its table takes, and no palpate made it: "
+            "palpate verify says which file holds it; take a copy from before";
+    }
+    const std::string text =
+        fmt::format("{}: {} failed: {}{}{}", file, doing, message, what.empty() ? "" : "; ", what);
+    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
+        throw LockedFile(text);
+    }
+    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
+        throw DiskError(text);
+    }
+    throw StoreError(text);
+}
+
+void require_sound_pages(const Connection& file) {
+    for (const TableManual& table : catalogue()) {
+        if (table.view || table.name == "trace_chunk") {
+            continue;
+        }
+        Statement check(file, fmt::format("PRAGMA main.quick_check({})", table.name));
+        check.step();
+        const std::string all = check.text(0);
+        const std::string first = all.substr(all.find('\n') + 1);  // behind a line without news
+        refuse_if<StoreError>(all != "ok",
+                              "{}: the file is damaged ({}): keep it, with its -wal and -shm, in "
+                              "another folder, and restore a copy; palpate verify says what of it "
+                              "can be read",
+                              file.file, first.substr(0, first.find('\n')));
+    }
 }
 
 }  // namespace palpate::data

@@ -22,8 +22,11 @@ class Row {
 public:
     /// @param table  outlives this
     explicit Row(std::string_view table) : table_(table) {}
+    /// With all columns of a query's row, by their names there; bytes are valid until its next step.
+    Row(std::string_view table, const Statement& row);
 
-    /// An integer, a real (NaN is NULL), a text, bytes that outlive the row, or nothing: NULL.
+    /// A later value replaces an earlier one: an integer, a real (NaN is NULL), a text, bytes that
+    /// outlive the row, or nothing: NULL.
     template <class T>
     Row& set(std::string_view column, const T& value) {
         if constexpr (std::integral<T>) {

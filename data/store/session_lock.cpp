@@ -2,12 +2,10 @@
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "data/store/disk_space.hpp"
 
@@ -46,12 +44,8 @@ std::size_t locks_within(int log, off_t first, off_t end) {
 
 /// The same of a file's log.
 std::size_t locks_of(const std::string& file, off_t first, off_t end) {
-    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
-    const std::size_t found = log >= 0 ? locks_within(log, first, end) : 0;
-    if (log >= 0) {
-        close(log);
-    }
-    return found;
+    const Descriptor log(open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC));
+    return log.get() >= 0 ? locks_within(log.get(), first, end) : 0;
 }
 
 }  // namespace
@@ -61,17 +55,15 @@ SessionLock::SessionLock(Database& database, std::int64_t session) {
         return;  // nobody else sees it
     }
     static_cast<void>(database.first("PRAGMA schema_version"));  // SQLite has laid the log by then
-    log_ = open(log_of(database.file()).c_str(), O_RDWR | O_CLOEXEC);
+    log_ = Descriptor(open(log_of(database.file()).c_str(), O_RDWR | O_CLOEXEC));
     const std::int64_t byte = database_byte(database.file());
     struct flock own = bytes_of(F_RDLCK, byte, byte + 1);  // several sessions of one database
     struct flock bytes = bytes_of(F_WRLCK, session, session + 1);
-    if (log_ >= 0 && fcntl(log_, F_OFD_SETLK, &own) == 0 && fcntl(log_, F_OFD_SETLK, &bytes) == 0) {
+    const int log = log_.get();
+    if (log >= 0 && fcntl(log, F_OFD_SETLK, &own) == 0 && fcntl(log, F_OFD_SETLK, &bytes) == 0) {
         return;
     }
     const int error = errno;
-    if (log_ >= 0) {
-        close(log_);
-    }
     throw StoreError(error == EAGAIN
                          ? fmt::format("{}: another palpate is running this session; end it first",
                                        database.file())
@@ -90,14 +82,6 @@ std::size_t SessionLock::all_held(const std::string& file) {
 bool SessionLock::held_elsewhere(const std::string& file) {
     const std::int64_t byte = database_byte(file);
     return all_held(file) > 0 && locks_of(file, byte, byte + 1) == 0;
-}
-
-SessionLock::SessionLock(SessionLock&& other) noexcept : log_(std::exchange(other.log_, -1)) {}
-
-SessionLock::~SessionLock() {
-    if (log_ >= 0) {
-        close(log_);
-    }
 }
 
 }  // namespace palpate::data

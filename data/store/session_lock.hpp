@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "engine/base/descriptor.hpp"
 #include "data/store/database.hpp"
 
 namespace palpate::data {
@@ -16,11 +17,6 @@ class SessionLock {
 public:
     /// @throws StoreError if another program runs the session
     SessionLock(Database& database, std::int64_t session);
-    SessionLock(SessionLock&& other) noexcept;
-    SessionLock& operator=(SessionLock&&) = delete;
-    SessionLock(const SessionLock&) = delete;
-    SessionLock& operator=(const SessionLock&) = delete;
-    ~SessionLock();
 
     /// Some program of this computer, this one too, runs the session.
     [[nodiscard]] static bool held(const Database& database, std::int64_t session);
@@ -31,7 +27,7 @@ public:
     [[nodiscard]] static bool held_elsewhere(const std::string& file);
 
 private:
-    int log_ = -1;
+    Descriptor log_{};
 };
 
 }  // namespace palpate::data

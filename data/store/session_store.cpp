@@ -9,12 +9,10 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/trust.hpp"
 #include "data/store/chain.hpp"
-#include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
 #include "data/store/row.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/stored_progress.hpp"
-#include "data/store/study_row.hpp"
 #include "data/store/uuid.hpp"
 #include "data/store/written_rows.hpp"
 

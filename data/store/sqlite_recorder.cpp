@@ -24,7 +24,7 @@
 #include "data/store/reader.hpp"
 #include "data/store/row.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/trace/derived_hash.hpp"
+#include "data/trace/chunk.hpp"
 
 namespace palpate::data {
 
@@ -35,28 +35,22 @@ constexpr int kPatienceMs = 60'000;
 /// Bytes that a reserve gives back at a time.
 constexpr std::int64_t kPiece = 1'000'000;
 
-Reserve::~Reserve() {
-    if (descriptor_ >= 0) {
-        close(descriptor_);
-    }
-}
-
 int Reserve::take(std::int64_t bytes) {
-    if (descriptor_ < 0) {
+    if (held_in_.get() < 0) {
         std::error_code unknown;
         const auto there = std::filesystem::canonical(file_, unknown);  // a link may lie elsewhere
         std::string name = fmt::format("{}.room-XXXXXX", unknown ? file_ : there.string());
-        descriptor_ =
-            mkostemp(name.data(), O_CLOEXEC);  // no name that somebody could lay a link by
-        if (descriptor_ < 0) {
+        // No name that somebody could lay a link by.
+        held_in_ = Descriptor(mkostemp(name.data(), O_CLOEXEC));
+        if (held_in_.get() < 0) {
             return errno;
         }
         unlink(name.c_str());
     }
-    const int error = posix_fallocate(descriptor_, 0, bytes);
+    const int error = posix_fallocate(held_in_.get(), 0, bytes);
     if (error == 0) {
         held_ = bytes;
-    } else if (ftruncate(descriptor_, held_) != 0) {  // some of it may have been there
+    } else if (ftruncate(held_in_.get(), held_) != 0) {  // some of it may have been there
         return errno;
     }
     return error;
@@ -86,7 +80,7 @@ bool Reserve::give_back() {
         return false;
     }
     held_ = std::max<std::int64_t>(held_ - kPiece, 0);
-    return ftruncate(descriptor_, held_) == 0;
+    return ftruncate(held_in_.get(), held_) == 0;
 }
 
 using protocols::TrialId;

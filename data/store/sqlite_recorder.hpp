@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/descriptor.hpp"
 #include "engine/device/calibration.hpp"
 #include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
@@ -74,9 +75,6 @@ class Reserve {
 public:
     /// @param file  whose disk it is; holds nothing yet
     explicit Reserve(std::string file) : file_(std::move(file)) {}
-    Reserve(const Reserve&) = delete;
-    Reserve& operator=(const Reserve&) = delete;
-    ~Reserve();
 
     /// Holds at least `bytes` from here on. On a disk that cannot set room aside (some network
     /// disks) it only looks whether they are free now.
@@ -89,7 +87,7 @@ private:
     [[nodiscard]] int take(std::int64_t bytes);
 
     std::string file_;
-    int descriptor_ = -1;
+    Descriptor held_in_{};
     std::int64_t held_ = 0;
 };
 

@@ -1,10 +1,10 @@
-#include "data/sync/people_merge.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
+
+#include "data/sync/merge.hpp"
 
 namespace palpate::data {
 

@@ -73,8 +73,8 @@ constinit const Late<void*(PGconn*, void (*)(void*, const char*), void*)> PQsetN
     "PQsetNoticeProcessor");
 constinit const Late<int(const PGconn*)> PQstatus("PQstatus");
 
-PGconn* of(void* connection) {
-    return static_cast<PGconn*>(connection);
+PGconn* of(const auto& connection) {
+    return static_cast<PGconn*>(connection.get());
 }
 
 struct Clear {
@@ -195,14 +195,9 @@ Postgres::Postgres(const std::string& url, bool insecure) {
                                                                PQfinish);
         require_secure(begun.get());
     }
-    connection_ = PQconnectdb(url.c_str());
+    connection_.reset(PQconnectdb(url.c_str()));
     if (PQstatus(of(connection_)) != kConnectionOk) {
-        try {
-            fail("connecting", PQerrorMessage(of(connection_)));
-        } catch (...) {
-            PQfinish(of(connection_));
-            throw;
-        }
+        fail("connecting", PQerrorMessage(of(connection_)));
     }
     // What the server remarks would go to standard error as it comes; what fails is thrown.
     PQsetNoticeProcessor(
@@ -222,8 +217,8 @@ std::string Postgres::way() const {
                        word_of(connection, "sslmode") == "verify-full" ? "checked" : "not checked");
 }
 
-Postgres::~Postgres() {
-    PQfinish(of(connection_));
+void Postgres::Finish::operator()(void* connection) const {
+    PQfinish(static_cast<PGconn*>(connection));
 }
 
 void Postgres::fail(std::string_view doing, const char* words) const {

@@ -1,8 +1,6 @@
-#include "data/sync/postgres_tables.hpp"
-
 #include <algorithm>
-#include <cstdint>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <ranges>
 #include <set>
@@ -11,6 +9,8 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/store/chain.hpp"
+#include "data/sync/postgres.hpp"
 
 namespace palpate::data {
 namespace {
@@ -83,6 +83,19 @@ bool has_all(Postgres& server, const std::vector<PostgresTable>& tables) {
         }
     }
     return all;
+}
+
+constexpr const char* kTheirSession = "session";
+
+/// How often the session became another's; what was destroyed says no more than that it is the
+/// last.
+std::int64_t moves_of(const SessionVersion& session) {
+    return session.destroyed
+             ? std::numeric_limits<std::int64_t>::max()
+             : session.database
+                   ->first("SELECT count(*) FROM event WHERE session_id = ?1 AND key = ?2",
+                           session.id, kIsReally)
+                   .integer(0);
 }
 
 }  // namespace
@@ -195,6 +208,84 @@ PostgresRows postgres_rows(const PostgresTable& table) {
     return {.insert = fmt::format("INSERT INTO {} ({}) VALUES ({}) ON CONFLICT DO NOTHING", name,
                                   quoted(names), places),
             .same = fmt::format("SELECT 1 FROM {} WHERE ({}) = ({})", name, quoted(names), places)};
+}
+
+PostgresRow with_row(PostgresRow before, const Statement& row) {
+    for (int column = 0; column < row.columns(); ++column) {
+        before.push_back(row.value(column));
+    }
+    return before;
+}
+
+std::int64_t push_shared(Database& database,
+                         Postgres& server,
+                         const std::map<std::string, PostgresRows>& sql,
+                         std::vector<std::string>& conflicts) {
+    std::int64_t added = 0;
+    const auto push = [&](const std::string& table, Statement from, const std::string& called) {
+        const auto rows = from.all([](const Statement& row) { return with_row({}, row); });
+        server.send(std::string(kOneAtATime), {});
+        for (const PostgresRow& row : rows) {
+            server.send(sql.at(table).insert, row);
+        }
+        added += server.flush();
+        if (std::ranges::any_of(rows, [&](const auto& row) {
+                return server.rows(sql.at(table).same, row).empty();
+            })) {
+            conflicts.push_back(
+                fmt::format("{}: the server has it otherwise in palpate.{}: an administrator "
+                            "deletes that there, and pushes again",
+                            called, table));
+        }
+    };
+    for (const Statement& study : database.prepare(
+             "SELECT study_id, study_name || '@' || substr(protocol_sha256, 1, 8) FROM study")) {
+        if (study_breaks(database, study.integer(0)).empty()) {
+            push("study",
+                 database.prepare("SELECT protocol_sha256, study_name, study_title, protocol_toml "
+                                  "FROM study WHERE study_id = ?1",
+                                  study.integer(0)),
+                 "study " + study.text(1));
+        }
+    }
+    push(
+        "trace_column",
+        database.prepare(
+            "SELECT codec, column_position, name, type, unit, scale, rule, part FROM trace_column"),
+        "trace_column");
+    return added;
+}
+
+void Refusals::read(Postgres& server) {
+    for (const auto& row : server.rows(
+             "SELECT participant_code FROM palpate.participant_note WHERE key = 'consent' AND "
+             "value = '0'")) {
+        codes_.insert(*row[0]);
+    }
+    for (const auto& row : server.rows(
+             "SELECT participant_code, max(value) FROM palpate.participant_note WHERE key = "
+             "'destroyed' GROUP BY 1")) {
+        destroyed_[*row[0]] = *row[1];
+    }
+    for (const auto& row : server.rows(
+             "SELECT split_part(value, ' ', 1), max(split_part(value, ' ', 2)::bigint) FROM "
+             "palpate.participant_note AS theirs WHERE key = $1 AND EXISTS (SELECT FROM "
+             "palpate.participant_note AS no WHERE no.participant_code = theirs.participant_code "
+             "AND no.key = 'consent' AND no.value = '0') GROUP BY 1",
+             {kTheirSession})) {
+        moves_[*row[0]] = std::stoll(*row[1]);
+    }
+}
+
+bool Refusals::hold(const SessionVersion& session) const {
+    const auto theirs = moves_.find(session.uuid);
+    return hold(session.participant) ||
+           (theirs != moves_.end() && moves_of(session) <= theirs->second);
+}
+
+PostgresRow Refusals::note(const SessionVersion& session) {
+    return {session.participant, kTheirSession,
+            fmt::format("{} {}", session.uuid, moves_of(session))};
 }
 
 }  // namespace palpate::data

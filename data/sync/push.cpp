@@ -9,11 +9,7 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/sync/last_version.hpp"
 #include "data/sync/postgres.hpp"
-#include "data/sync/postgres_tables.hpp"
-#include "data/sync/push_shared.hpp"
-#include "data/sync/refusals.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {

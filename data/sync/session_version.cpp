@@ -165,22 +165,6 @@ std::string OwnedTable::select(std::string_view owner) const {
                        fmt::join(std::views::iota(std::size_t{1}, columns.size() + 1), ", "));
 }
 
-std::string OwnedTable::insert(std::string_view owner) const {
-    return fmt::format("INSERT INTO {} ({}, {}) VALUES (?1, {})", name, owner, list(), places(2));
-}
-
-std::string OwnedTable::update() const {
-    return fmt::format("UPDATE {0} SET ({1}) = ({2}) WHERE {0}_id = ?1", name, list(), places(2));
-}
-
-std::string OwnedTable::places(std::size_t first) const {
-    std::string all;
-    for (std::size_t i = first; i < first + columns.size(); ++i) {
-        all += fmt::format("{}?{}", i == first ? "" : ", ", i);
-    }
-    return all;
-}
-
 Layout catalogue_layout() {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
@@ -204,11 +188,9 @@ Layout catalogue_layout() {
     return layout;
 }
 
-Statement& bind_row(const Statement& from, Statement& to, int first) {
-    for (int column = 0; column < from.columns(); ++column) {
-        to.bind(first + column, from.value(column));
-    }
-    return to;
+std::string called(const SessionVersion& session) {
+    return fmt::format("{}, participant {}, session {} ({})", session.study_name,
+                       session.participant, session.number, session.uuid);
 }
 
 std::vector<SessionVersion> session_versions(Database& database,

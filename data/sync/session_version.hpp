@@ -20,12 +20,6 @@ struct OwnedTable {
     [[nodiscard]] std::string list() const;
     /// SELECT list() of the owner ?1, in an order that depends on the content alone.
     [[nodiscard]] std::string select(std::string_view owner) const;
-    /// INSERT of the owner ?1 and list() from ?2 on.
-    [[nodiscard]] std::string insert(std::string_view owner) const;
-    /// UPDATE of the row ?1, likewise.
-    [[nodiscard]] std::string update() const;
-    /// "?3, ?4, ?5": a place for each column, from `first` on.
-    [[nodiscard]] std::string places(std::size_t first) const;
 };
 
 /// What belongs to what, so that it can be copied into another file.
@@ -43,9 +37,6 @@ struct Layout {
 
 /// By the catalogue of this program.
 [[nodiscard]] Layout catalogue_layout();
-
-/// Binds all columns of `from`'s row to `to`, the first to parameter `first`. @return `to`
-Statement& bind_row(const Statement& from, Statement& to, int first);
 
 /// One attempt as a file has it.
 struct TrialVersion {
@@ -80,6 +71,9 @@ struct SessionVersion {
     std::vector<std::string> moments;  ///< of the events
 };
 
+/// "shapes, participant P01, session 1 (its uuid)"
+[[nodiscard]] std::string called(const SessionVersion& session);
+
 /// All sessions of a file. @param file  how to call it
 /// @param hashed  to be compared with others: without it no hash is made, of no trace either
 [[nodiscard]] std::vector<SessionVersion> session_versions(Database& database,
@@ -94,5 +88,31 @@ struct SessionVersion {
 /// destroyed, and any score in it, after which no seal is as before. A partial order: two files can
 /// hold two sessions of one uuid of which neither became the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
+
+/// Copies a session that `out` does not have, with its study, into it. Its participant is there.
+/// @pre its study is what the text says (study_breaks()): so it becomes in `out`
+void add_session(const SessionVersion& from, Database& out, const Layout& layout);
+
+/// Brings `own`, a session of `out`, to what it became in `from`. Its rows keep their ids.
+/// @pre became(own, from)
+void extend_session(const SessionVersion& from,
+                    const SessionVersion& own,
+                    Database& out,
+                    const Layout& layout);
+
+/// The same where `own` did not become `from`: it goes, and its rows get other ids.
+void replace_session(const SessionVersion& from,
+                     const SessionVersion& own,
+                     Database& out,
+                     const Layout& layout);
+
+/// Copies what is nobody's in a file: secrets; how traces are written is the same in all.
+/// @param file  how to call `from`
+/// @throws StoreError where `from` says that they are written otherwise
+void copy_shared(Database& from, Database& out, const std::string& file);
+
+/// Copies the one session of `from`, with its participant, into `out`, which does not have it. In
+/// the caller's transaction, with deferred foreign keys.
+void append_session(Database& from, Database& out, const Layout& layout);
 
 }  // namespace palpate::data

@@ -10,8 +10,8 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "engine/realtime/felt_scene.hpp"
-#include "data/trace/derived_hash.hpp"
-#include "data/trace/fixed_point.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {

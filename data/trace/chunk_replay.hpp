@@ -16,7 +16,6 @@
 #include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/chunk.hpp"
-#include "data/trace/derived_hash.hpp"
 #include "data/trace/retrace.hpp"
 #include "data/trace/ticks.hpp"
 

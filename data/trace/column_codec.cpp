@@ -11,7 +11,7 @@
 #include <zlib.h>
 
 #include "engine/base/processor.hpp"
-#include "data/trace/fixed_point.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/packed_numbers.hpp"
 
 namespace palpate::data {
@@ -239,53 +239,41 @@ private:
     std::array<Word, kBlock + 2> values_{};  ///< behind the two before them
 };
 
+using Values = void(std::span<const TickRecord>, std::span<std::int64_t>);
+
+/// Puts what `Of` says of each tick.
+template <class Of>
+constexpr Values* values(Of /*of*/) {
+    return [](std::span<const TickRecord> ticks, std::span<std::int64_t> stored) {
+        std::transform(ticks.begin(), ticks.end(), stored.begin(), Of{});
+    };
+}
+
 }  // namespace
 
 void stored_values(ColumnId column,
                    std::span<const TickRecord> ticks,
-                   std::span<std::int64_t> values) noexcept {
-    const auto each = [&](const auto& value_of) {
-        std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
-    };
-    switch (column) {
-        case ColumnId::tick:
-            return each([](const TickRecord& tick) { return tick.tick; });
-        case ColumnId::time_ns:
-            return each([](const TickRecord& tick) { return tick.time_ns; });
-        case ColumnId::count_1:
-            return each([](const TickRecord& tick) { return tick.counts[0]; });
-        case ColumnId::count_2:
-            return each([](const TickRecord& tick) { return tick.counts[1]; });
-        case ColumnId::code_1:
-            return each([](const TickRecord& tick) { return tick.codes[0]; });
-        case ColumnId::code_2:
-            return each([](const TickRecord& tick) { return tick.codes[1]; });
-        case ColumnId::lateness_ns:
-            return each([](const TickRecord& tick) {
-                return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
-            });
-        case ColumnId::flags:
-            return each([](const TickRecord& tick) { return tick.flags; });
-        case ColumnId::hip_x:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
-        case ColumnId::hip_y:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
-        case ColumnId::command_x:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
-        case ColumnId::command_y:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
-        case ColumnId::count_3:
-            return each([](const TickRecord& tick) { return tick.counts[2]; });
-        case ColumnId::code_3:
-            return each([](const TickRecord& tick) { return tick.codes[2]; });
-        case ColumnId::hip_z:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); });
-        case ColumnId::command_z:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); });
-    }
+                   std::span<std::int64_t> stored) noexcept {
+    static constexpr std::array<Values*, kStoredColumns> kAll{
+        values([](const TickRecord& tick) { return tick.tick; }),
+        values([](const TickRecord& tick) { return tick.time_ns; }),
+        values([](const TickRecord& tick) { return tick.counts[0]; }),
+        values([](const TickRecord& tick) { return tick.counts[1]; }),
+        values([](const TickRecord& tick) { return tick.codes[0]; }),
+        values([](const TickRecord& tick) { return tick.codes[1]; }),
+        values([](const TickRecord& tick) {
+            return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
+        }),
+        values([](const TickRecord& tick) { return tick.flags; }),
+        values([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); }),
+        values([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); }),
+        values([](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); }),
+        values([](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); }),
+        values([](const TickRecord& tick) { return tick.counts[2]; }),
+        values([](const TickRecord& tick) { return tick.codes[2]; }),
+        values([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); }),
+        values([](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); })};
+    kAll[static_cast<std::size_t>(column)](ticks, stored);
 }
 
 void pack_column(ColumnId which,

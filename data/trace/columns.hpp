@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
-#include <vector>
 
 #include "engine/realtime/tick_record.hpp"
 
@@ -103,5 +105,113 @@ struct StoredColumn {
 
 /// "hip contact": the parts as a chunk's row names them.
 [[nodiscard]] std::string_view part_name(std::uint8_t part) noexcept;
+
+/// Not a number, or infinite.
+inline constexpr std::int32_t kNotANumber = std::numeric_limits<std::int32_t>::min();
+
+/// `value` in steps of 1 / per_unit: floor(value * per_unit + 1/2), so halves go up; beyond 2^31 -
+/// 1 steps the last one on that side, +-(2^31 - 1).
+[[nodiscard]] inline std::int32_t in_steps(double value, double per_unit) noexcept {
+    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
+    const double steps = value * per_unit + 0.5;
+    if (!(steps > -kMax && steps < kMax)) {
+        return !std::isfinite(value) ? kNotANumber
+             : steps < 0.0           ? -std::numeric_limits<std::int32_t>::max()
+                                     : std::numeric_limits<std::int32_t>::max();
+    }
+    const auto whole = static_cast<std::int32_t>(steps);  // towards zero
+    return whole - (static_cast<double>(whole) > steps ? 1 : 0);
+}
+
+inline constexpr double kHipSteps = 1e7;       ///< per m: 0.1 um
+inline constexpr double kCommandSteps = 1e4;   ///< per N: 0.1 mN
+inline constexpr double kLatenessSteps = 1e3;  ///< per us: 1 ns
+
+/// HIP of a whole number of its steps, m: the nearest double.
+[[nodiscard]] inline double steps_in_metres(std::int64_t steps) noexcept {
+    return static_cast<double>(steps) / kHipSteps;
+}
+
+/// The lateness that a tick has from whole ns, as the servo computes it.
+[[nodiscard]] inline float lateness_us(std::int64_t ns) noexcept {
+    return static_cast<float>(static_cast<double>(ns) * 1e-3);
+}
+
+/// Columns of the virtual table `sample`, in their order: whose the tick is, those of
+/// trace_columns(), velocity.
+enum class SampleColumn : std::uint8_t {
+    trial_id,
+    interval,
+    tick,
+    time_s,
+    count_1,
+    count_2,
+    code_1,
+    code_2,
+    lateness_us,
+    flags,
+    mode,
+    segment,
+    u,
+    hip_x_m,
+    hip_y_m,
+    cp_x_m,
+    cp_y_m,
+    go_x_m,
+    go_y_m,
+    rendered_x_n,
+    rendered_y_n,
+    commanded_x_n,
+    commanded_y_n,
+    rendered_normal_n,
+    rendered_tangential_n,
+    mu,
+    count_3,
+    code_3,
+    v,
+    hip_z_m,
+    cp_z_m,
+    go_z_m,
+    rendered_z_n,
+    commanded_z_n,
+    hip_vx_m_per_s,
+    hip_vy_m_per_s,
+    hip_vz_m_per_s,
+    count_of_columns
+};
+
+/// What a query needs of the ticks: bit i is column i.
+using SampleColumns = std::uint64_t;
+
+/// The bit of a column. @pre column < count_of_columns, below 64
+[[nodiscard]] constexpr SampleColumns bit(SampleColumn column) noexcept {
+    return SampleColumns{1} << static_cast<unsigned>(column);
+}
+
+/// Columns that need HIP, and the tick before.
+inline constexpr SampleColumns kVelocityColumns = bit(SampleColumn::hip_vx_m_per_s) |
+                                                  bit(SampleColumn::hip_vy_m_per_s) |
+                                                  bit(SampleColumn::hip_vz_m_per_s);
+inline constexpr SampleColumns kHipColumns = bit(SampleColumn::hip_x_m) |
+                                             bit(SampleColumn::hip_y_m) |
+                                             bit(SampleColumn::hip_z_m) | kVelocityColumns;
+/// Columns of commanded forces.
+inline constexpr SampleColumns kCommandColumns = bit(SampleColumn::commanded_x_n) |
+                                                 bit(SampleColumn::commanded_y_n) |
+                                                 bit(SampleColumn::commanded_z_n);
+/// Columns that no force needs: looked for where they are asked for.
+inline constexpr SampleColumns kClosestColumns =
+    bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m) | bit(SampleColumn::cp_z_m);
+/// Columns that follow from the hand's whole path: they need a replay.
+inline constexpr SampleColumns kReplayedColumns =
+    kClosestColumns | bit(SampleColumn::go_x_m) | bit(SampleColumn::go_y_m) |
+    bit(SampleColumn::mode) | bit(SampleColumn::segment) | bit(SampleColumn::u) |
+    bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
+    bit(SampleColumn::rendered_tangential_n) | bit(SampleColumn::rendered_x_n) |
+    bit(SampleColumn::rendered_y_n) | bit(SampleColumn::v) | bit(SampleColumn::go_z_m) |
+    bit(SampleColumn::rendered_z_n);
+
+/// The table as SQL: its columns with their comments.
+[[nodiscard]] std::string sample_declaration();
 
 }  // namespace palpate::data

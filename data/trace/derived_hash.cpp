@@ -1,7 +1,7 @@
-#include "data/trace/derived_hash.hpp"
-
 #include <bit>
 #include <new>
+
+#include "data/trace/chunk.hpp"
 
 #if defined(__x86_64__)  // for the processors that have AVX2 as well: see update()
 #include <immintrin.h>

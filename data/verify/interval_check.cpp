@@ -1,5 +1,3 @@
-#include "data/verify/interval_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +10,7 @@
 #include "protocols/session/trial_meter.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/verify/stored_trace.hpp"
+#include "data/verify/trial_check.hpp"
 
 namespace palpate::data {
 namespace {

@@ -1,5 +1,3 @@
-#include "data/verify/stored_trace.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -16,8 +14,8 @@
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/column_codec.hpp"
 #include "data/trace/columns.hpp"
-#include "data/trace/fixed_point.hpp"
 #include "data/trace/retrace.hpp"
+#include "data/verify/trial_check.hpp"
 
 namespace palpate::data {
 namespace {

@@ -19,7 +19,6 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/ostream.h>
 
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/friction_runs.hpp"
 #include "tests/bench/report.hpp"

@@ -1,4 +1,4 @@
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "tests/bench/report.hpp"
 
 /// Work-precision picture: picture() of report.hpp.

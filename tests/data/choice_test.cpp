@@ -1,6 +1,6 @@
 #include <boost/math/distributions/normal.hpp>
 
-#include "data/choice/similarity_choice.hpp"
+#include "data/choice/identification.hpp"
 #include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

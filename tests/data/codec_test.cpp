@@ -1,5 +1,5 @@
-#include "data/trace/derived_hash.hpp"
-#include "data/trace/fixed_point.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/packed_numbers.hpp"
 #include "data/trace/replay.hpp"
 #include "tests/support/program.hpp"

@@ -1,6 +1,6 @@
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/store/counterbalance_query.hpp"
+#include "data/store/session_store.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 

@@ -1,5 +1,5 @@
+#include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
-#include "data/export/tables.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 

@@ -1,5 +1,5 @@
+#include "data/fit/curve_fit.hpp"
 #include "data/fit/fit_report.hpp"
-#include "data/fit/optimum.hpp"
 #include "tests/data/highest.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

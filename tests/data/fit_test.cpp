@@ -1,4 +1,4 @@
-#include "data/fit/bootstrap.hpp"
+#include "data/fit/fit_report.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

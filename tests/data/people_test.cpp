@@ -1,6 +1,6 @@
 #include "engine/base/text.hpp"
 #include "data/analysis/summary.hpp"
-#include "data/inference/person_numbers.hpp"
+#include "data/inference/stats_report.hpp"
 #include "data/store/people.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"

@@ -3,7 +3,7 @@
 #include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/own_schema.hpp"
-#include "data/trace/sample_columns.hpp"
+#include "data/trace/columns.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 

@@ -1,7 +1,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/trust.hpp"
 #include "protocols/trial/object_hash.hpp"
-#include "data/page/study_page.hpp"
+#include "data/page/study.hpp"
 #include "data/store/stored_progress.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"

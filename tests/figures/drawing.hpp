@@ -2,7 +2,7 @@
 
 #include "engine/geometry/nurbs_curve.hpp"
 #include "engine/rendering/mode.hpp"
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "tests/figures/make.hpp"
 #include "tests/figures/objects.hpp"
 

@@ -1,7 +1,6 @@
 #include "tests/figures/svg_diagram.hpp"
 
 #include "data/plot/svg_panel.hpp"
-#include "data/plot/svg_text.hpp"
 
 namespace palpate::figures {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "tests/support/std.hpp"
 
 namespace palpate::figures {

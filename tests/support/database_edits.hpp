@@ -1,7 +1,7 @@
 #pragma once
 
 #include "data/store/reader.hpp"
-#include "data/trace/derived_hash.hpp"
+#include "data/trace/chunk.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 

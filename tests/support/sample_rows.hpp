@@ -2,7 +2,7 @@
 
 #include "data/extension/sample_module.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/fixed_point.hpp"
+#include "data/trace/columns.hpp"
 #include "tests/support/program.hpp"
 
 /// Rows of the virtual table `sample`, and what they must be by the reader's ticks.

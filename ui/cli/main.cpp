@@ -8,7 +8,7 @@
 
 #include "protocols/order/constrained_order.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 #include "ui/cli/scene_tools.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"

@@ -13,7 +13,7 @@
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "data/inference/power.hpp"
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"

@@ -1,4 +1,4 @@
-#include "data/export/starters.hpp"
+#include "data/export/export.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 

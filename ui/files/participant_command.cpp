@@ -8,7 +8,6 @@
 #include "engine/base/text.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
-#include "data/store/repairs.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/noted_file.hpp"

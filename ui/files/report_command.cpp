@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/base/files.hpp"
-#include "data/page/study_page.hpp"
+#include "data/page/study.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"

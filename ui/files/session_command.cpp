@@ -4,7 +4,6 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/store/people.hpp"
-#include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/noted_file.hpp"
 #include "ui/rig/say.hpp"

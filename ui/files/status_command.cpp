@@ -8,9 +8,9 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/store/counterbalance_query.hpp"
 #include "data/store/database.hpp"
 #include "data/store/session_lock.hpp"
+#include "data/store/session_store.hpp"
 #include "ui/command/command.hpp"
 #include "ui/live/live_segment.hpp"
 #include "ui/rig/interrupt.hpp"

@@ -26,7 +26,7 @@
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
 #include "data/store/session_store.hpp"
-#include "data/sync/session_copy.hpp"
+#include "data/sync/session_version.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/session/provenance.hpp"
 

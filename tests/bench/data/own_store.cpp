@@ -11,7 +11,7 @@
 #include "data/store/own_schema.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "data/trace/derived_hash.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/scenes.hpp"

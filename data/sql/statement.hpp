@@ -55,20 +55,18 @@ struct Connection {
     std::int64_t as_of_ns = 0;
     /// Prepared and not in use, by their text: most are needed again soon.
     mutable std::multimap<std::string, sqlite3_stmt*, std::less<>> idle{};
+    /// Throws in words of the owner's; null: fail() says what SQLite says.
+    void (*failed)(const Connection& file, std::string_view doing) = nullptr;
 
     /// Before the handle is closed.
     void forget_idle() const noexcept;
     /// A file that should not change was written to: what was read may be of two moments.
     [[nodiscard]] bool written_since() const;
-    /// @throws StoreError, LockedFile or DiskError by SQLite's last error
+    /// @throws what `failed` throws, StoreError without it, by SQLite's last error
     [[noreturn]] void fail(std::string_view doing) const;
     /// Runs statements without results.
     void execute(const char* sql) const;
 };
-
-/// Of a damaged page fewer rows may be read, and nothing said: each is looked at, but for those of
-/// ticks, which have sums of their own. @throws StoreError by the first one
-void require_sound_pages(const Connection& file);
 
 /// A name of a table or column as SQL takes it, whatever it holds: in ", each " twice.
 [[nodiscard]] std::string quoted_name(std::string_view name);
@@ -79,8 +77,11 @@ void require_sound_pages(const Connection& file);
 using ColumnValue =
     std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
 
-/// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws
-/// StoreError if SQLite refuses it. A NaN is stored as NULL: SQLite has none.
+/// Of the row that a statement stands on; its bytes are valid until the next step.
+[[nodiscard]] ColumnValue column_value(sqlite3_stmt* row, int column);
+
+/// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws as
+/// Connection::fail() if SQLite refuses it. A NaN is stored as NULL: SQLite has none.
 class Statement {
 public:
     /// @param connection  outlives the statement
@@ -148,7 +149,7 @@ public:
     /// Valid until the next step().
     [[nodiscard]] std::span<const std::byte> blob(int column) const;
     /// Its bytes as blob() has them.
-    [[nodiscard]] ColumnValue value(int column) const;
+    [[nodiscard]] ColumnValue value(int column) const { return column_value(statement_, column); }
     [[nodiscard]] bool null(int column) const { return type(column) == 5; }
     /// None where it is NULL.
     [[nodiscard]] std::optional<std::int64_t> integer_or_none(int column) const {

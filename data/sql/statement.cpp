@@ -1,14 +1,16 @@
-#include "data/store/statement.hpp"
+#include "data/sql/statement.hpp"
 
 #include <mutex>
 #include <new>
 #include <utility>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
+#include <sqlite3ext.h>
 #include <sys/stat.h>
 
 #include "engine/base/text.hpp"
+
+SQLITE_EXTENSION_INIT3
 
 namespace palpate::data {
 namespace {
@@ -16,6 +18,17 @@ namespace {
 /// Of what is idle on any connection: a session's recorder and its screens use one from two
 /// threads.
 std::mutex idle_guard;
+
+std::span<const std::byte> bytes_in(sqlite3_stmt* row, int column) {
+    const void* data = sqlite3_column_blob(row, column);
+    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, column));
+    return {static_cast<const std::byte*>(data), data == nullptr ? 0 : size};
+}
+
+std::string text_in(sqlite3_stmt* row, int column) {
+    const auto bytes = bytes_in(row, column);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 }  // namespace
 
@@ -36,6 +49,13 @@ void Connection::forget_idle() const noexcept {
         sqlite3_finalize(statement);
     }
     idle.clear();
+}
+
+void Connection::fail(std::string_view doing) const {
+    if (failed != nullptr) {
+        failed(*this, doing);
+    }
+    throw StoreError(fmt::format("{}: {} failed: {}", file, doing, sqlite3_errmsg(handle)));
 }
 
 void Connection::execute(const char* sql) const {
@@ -160,29 +180,26 @@ double Statement::real(int column) const {
 }
 
 std::string Statement::text(int column) const {
-    const auto bytes = blob(column);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-ColumnValue Statement::value(int column) const {
-    switch (type(column)) {
-        case SQLITE_INTEGER:
-            return integer(column);
-        case SQLITE_FLOAT:
-            return real(column);
-        case SQLITE_TEXT:
-            return text(column);
-        case SQLITE_BLOB:
-            return blob(column);
-        default:
-            return {};
-    }
+    return text_in(statement_, column);
 }
 
 std::span<const std::byte> Statement::blob(int column) const {
-    const void* data = sqlite3_column_blob(statement_, column);
-    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
-    return {static_cast<const std::byte*>(data), data == nullptr ? 0 : size};
+    return bytes_in(statement_, column);
+}
+
+ColumnValue column_value(sqlite3_stmt* row, int column) {
+    switch (sqlite3_column_type(row, column)) {
+        case SQLITE_INTEGER:
+            return std::int64_t{sqlite3_column_int64(row, column)};
+        case SQLITE_FLOAT:
+            return sqlite3_column_double(row, column);
+        case SQLITE_TEXT:
+            return text_in(row, column);
+        case SQLITE_BLOB:
+            return bytes_in(row, column);
+        default:
+            return {};
+    }
 }
 
 }  // namespace palpate::data
