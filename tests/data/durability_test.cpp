@@ -246,7 +246,7 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
 namespace {
 
 /// A disk that fails once, and would take everything after it.
-class DiskWithHiccup : public NoRecorder {
+class DiskWithHiccup : public protocols::Recorder {
 public:
     explicit DiskWithHiccup(int failing) : failing_(failing) {}
     protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {

@@ -94,7 +94,7 @@ private:
     ui::SubjectScreen screen_;
 };
 
-struct Forgetful : NoRecorder {
+struct Forgetful : protocols::Recorder {
     TrialId begin_trial(const PlannedTrial& planned) override {
         conditions.insert(planned.condition);
         return 1;

@@ -38,7 +38,7 @@ private:
 };
 
 /// Keeps the events.
-struct Notes : NoRecorder {
+struct Notes : protocols::Recorder {
     void event(const Event& event) override {
         all.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
