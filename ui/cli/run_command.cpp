@@ -19,7 +19,6 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/admission.hpp"
 #include "ui/session/begin_session.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
