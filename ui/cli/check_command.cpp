@@ -154,7 +154,7 @@ bool print_feasibility(const Study& study,
 void declare(CommandWords& words, CheckOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
-    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--device", options.device, std::string(kDeviceWords));
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words.add("--font", options.font,
               "A TrueType font for the subject's screen: does it have all letters?");

@@ -22,9 +22,7 @@ void declare(CommandWords& words, NewOptions& options) {
     words.add("FILE", options.file, "The file to make; its name becomes the study's id")
         .required_unless("--keys")
         .excludes("--keys");
-    words.add("--from", options.from, "The shipped protocol to begin with")
-        .with_default()
-        .excludes("--keys");
+    words.add("--from", options.from, "The shipped protocol to begin with").excludes("--keys");
     words.add("--keys", options.keys, "Print what a protocol file may say");
     words.add("--markdown", options.markdown, "With --keys: of every kind of file, as Markdown")
         .needs("--keys");

@@ -137,13 +137,10 @@ struct ScreenshotOptions {
 };
 
 void declare(CommandWords& words, ScreenshotOptions& options) {
-    words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
-    words.add("--protocol", options.protocol, "Whose screens: a protocol file or a shipped one")
-        .with_default();
-    words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680).with_default();
-    words.add("--height", options.height, "Of the pictures, pixels")
-        .within(480, 7680)
-        .with_default();
+    words.add("-o,--output", options.directory, "Folder for the pictures");
+    words.add("--protocol", options.protocol, "Whose screens: a protocol file or a shipped one");
+    words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680);
+    words.add("--height", options.height, "Of the pictures, pixels").within(480, 7680);
     words.add("--font", options.font, "A TrueType font");
     words
         .add("--language", options.language,

@@ -23,12 +23,10 @@ void declare(CommandWords& words, ExportWords& options) {
         .add("--format,--as", options.format,
              "csv, bids, psych-ds, parquet; procedure: runs of a rule for palpate procedure; "
              "quickpsy, psignifit: counts at each stimulus; psychopy: as its wide CSV")
-        .among({data::kExportWords.begin(), data::kExportWords.end()})
-        .with_default();
+        .among({data::kExportWords.begin(), data::kExportWords.end()});
     words.add("-o,--output", options.directory, "A new folder").required();
     words.add("--kind", options.what.kind, "Which sessions: real, pilot, simulated or all")
-        .among({"real", "pilot", "simulated", "all"})
-        .with_default();
+        .among({"real", "pilot", "simulated", "all"});
     words.add("--json", options.json,
               "For programs, to standard output: what is in the folder, and who is not");
     words.add("--with-details", options.what.details,
