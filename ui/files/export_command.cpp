@@ -2,6 +2,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/export/export.hpp"
+#include "data/export/starters.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
@@ -76,12 +77,37 @@ int run(const ExportWords& options) {
     return 0;
 }
 
+struct AnalysisWords {
+    std::string action;
+    std::string folder;
+};
+
+void declare_analysis(CommandWords& words, AnalysisWords& options) {
+    words.add("ACTION", options.action, "init: analysis.R and analysis.py to begin with")
+        .required()
+        .among({"init"});
+    words.add("FOLDER", options.folder, "A folder of palpate export --format csv").required();
+}
+
+int begin_analysis(const AnalysisWords& words) {
+    for (const auto& file : data::write_starters(words.folder)) {
+        say("{}\n", file.string());
+    }
+    return 0;
+}
+
 }  // namespace
 
 Command export_command() {
     return make_command<ExportWords>(
         "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified", declare,
         run);
+}
+
+Command analysis_command() {
+    return make_command<AnalysisWords>(
+        "analysis", "Scripts of R and Python that load an export, to begin an analysis with",
+        declare_analysis, begin_analysis);
 }
 
 }  // namespace palpate::ui
