@@ -68,7 +68,7 @@ struct TrialSummary {
     std::int64_t vertex_ticks = 0;           ///< in contact on vertex 0 itself
     std::int64_t stick_events = 0;           ///< times that a sliding god-object stuck again
     bool sticks = true;                      ///< there is friction: without, nothing can stick
-    Deciles speed{};                         ///< m/s, see ExplorationMeter
+    Deciles speed{};                         ///< m/s, see TrialMeter
     Deciles normal_force{};                  ///< N, rendered, of contact ticks
     double covered_share = 0.0;         ///< share of the outline that was visited, see OutlineCover
     std::int64_t contact_episodes = 0;  ///< times that HIP came into contact
