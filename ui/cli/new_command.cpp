@@ -3,7 +3,7 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
