@@ -1,4 +1,4 @@
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 
 #include <algorithm>
 #include <stdexcept>

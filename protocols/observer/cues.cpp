@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact/closest_point.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
 
@@ -137,20 +136,11 @@ Cues CurvatureCues::cues() const noexcept {
     return cues;
 }
 
-/// The shape at rest.
-struct SoftnessCues::Rest {
-    std::shared_ptr<const engine::Outline> outline;
-    engine::OutlineFeet feet;
-
-    explicit Rest(std::shared_ptr<const engine::Outline> shape)
-        : outline(std::move(shape)), feet(*outline) {}
-};
-
-SoftnessCues::SoftnessCues(const Protocol& protocol) {
-    const auto felt =
-        std::ranges::find(protocol.objects, protocol.procedure->object, &ObjectSpec::name);
-    rest_ = std::make_shared<const Rest>(outline_of(protocol, *felt));
-}
+SoftnessCues::SoftnessCues(const Protocol& protocol)
+    : rest_(outline_of(
+          protocol,
+          *std::ranges::find(protocol.objects, protocol.procedure->object, &ObjectSpec::name))),
+      feet_(*rest_) {}
 
 void SoftnessCues::add(std::span<const engine::TickRecord> ticks) noexcept {
     for (const engine::TickRecord& tick : ticks) {
@@ -158,7 +148,7 @@ void SoftnessCues::add(std::span<const engine::TickRecord> ticks) noexcept {
         if (++tick_ % kEach != 0 || force < kFeltForce) {
             continue;
         }
-        const engine::ClosestPoint nearest = rest_->feet.closest(engine::Vec2(tick.hip));
+        const engine::ClosestPoint nearest = feet_.closest(engine::Vec2(tick.hip));
         if (nearest.inside) {
             product_ += force * nearest.distance;
             squares_ += force * force;
@@ -168,6 +158,55 @@ void SoftnessCues::add(std::span<const engine::TickRecord> ticks) noexcept {
 
 std::optional<double> SoftnessCues::softness() const noexcept {
     return product_ > 0.0 ? std::optional(product_ / squares_) : std::nullopt;
+}
+
+OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures)
+    : softness_(1.0 / protocol.apparatus.stiffness) {
+    for (const std::size_t object : pictures) {
+        if (protocol.surface) {
+            surfaces_.emplace_back(surface_of(protocol, protocol.objects.at(object)));
+            continue;
+        }
+        outlines_.push_back(outline_of(protocol, object));
+        feet_.emplace_back(*outlines_.back());
+    }
+    forget();
+}
+
+void OutlineCues::forget() noexcept {
+    squares_.assign(feet_.size() + surfaces_.size(), 0.0);
+    tracks_.assign(surfaces_.size(), {});
+    points_ = 0.0;
+    tick_ = 0;
+}
+
+void OutlineCues::add(std::span<const engine::TickRecord> ticks) noexcept {
+    for (const engine::TickRecord& tick : ticks) {
+        const double pressed = glm::length(tick.force);
+        if (tick.mode == engine::Mode::free || !(pressed > kFeltForce) || tick_++ % kEach != 0) {
+            continue;
+        }
+        const engine::Vec3 felt = tick.hip + softness_ * tick.force;
+        for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+            const double away = surfaces_[i].track(tracks_[i], felt).distance;
+            squares_[i] += away * away;
+        }
+        const engine::Vec2 surface(felt);
+        for (std::size_t i = 0; i < feet_.size(); ++i) {
+            const double away = feet_[i].closest(surface).distance;
+            squares_[i] += away * away;
+        }
+        points_ += 1.0;
+    }
+}
+
+std::vector<double> OutlineCues::misfits() const {
+    std::vector<double> misfits(squares_.size(), 0.0);
+    if (felt()) {
+        std::transform(squares_.begin(), squares_.end(), misfits.begin(),
+                       [this](double square) { return std::sqrt(square / points_); });
+    }
+    return misfits;
 }
 
 }  // namespace palpate::protocols

@@ -7,7 +7,6 @@
 
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/cues.hpp"
-#include "protocols/observer/outline_cues.hpp"
 #include "protocols/observer/person.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/observer.hpp"
@@ -73,6 +72,8 @@ public:
     /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes
     /// were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
+    /// What is felt of the curvature in the running interval, or was in the last one.
+    [[nodiscard]] Cues felt() const { return cues_.back().cues(); }
     /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
     [[nodiscard]] double time_s() const noexcept { return time_s_; }
 

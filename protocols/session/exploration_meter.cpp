@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/outline.hpp"
-#include "engine/realtime/felt_scene.hpp"
-
 namespace palpate::protocols {
 namespace {
 
@@ -111,32 +108,6 @@ void PatchCover::add(const engine::TickRecord& tick) noexcept {
 double PatchCover::share() const noexcept {
     const auto visited = std::count(visited_.begin(), visited_.end(), true);
     return static_cast<double>(visited) / static_cast<double>(visited_.size());
-}
-
-ExplorationMeter::ExplorationMeter(const engine::SceneView& scene)
-    : cover_(scene.plane != nullptr
-                 ? std::variant<OutlineCover, PatchCover>(OutlineCover(scene.plane->outline()))
-                 : PatchCover()) {}
-
-void ExplorationMeter::add(const engine::TickRecord& tick) {
-    using engine::Mode;
-    const Mode before = last_mode_;
-    last_mode_ = tick.mode;
-    if (tick.mode == Mode::free) {
-        return;
-    }
-    std::visit([&tick](auto& cover) { cover.add(tick); }, cover_);
-    vertex_ticks_ += tick.segment == -1 ? 1 : 0;
-    stick_events_ += tick.mode == Mode::stuck && before != Mode::stuck && before != Mode::free;
-    forces_.push_back(tick.normal_force);
-    if (before == Mode::free) {
-        from_ = tick.hip;
-        from_time_ = tick.time_ns;
-    } else if (const std::int64_t time = tick.time_ns - from_time_; time >= kWindow) {
-        speeds_.push_back(glm::length(tick.hip - from_) / (static_cast<double>(time) * 1e-9));
-        from_ = tick.hip;
-        from_time_ = tick.time_ns;
-    }
 }
 
 engine::Vec2 StrokeCounter::step_to(const engine::TickRecord& tick) noexcept {

@@ -3,10 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <variant>
 #include <vector>
 
-#include "engine/realtime/scene_view.hpp"
+#include "engine/geometry/outline.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/session/recorder.hpp"
 
@@ -60,41 +59,6 @@ public:
 
 private:
     std::array<bool, kSide * kSide> visited_{};
-};
-
-/// What a hand did on an object, beside StrokeCounter: contour following is made of strokes, stops
-/// and turns (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
-class ExplorationMeter {
-public:
-    static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
-
-    /// Of one interval; an outline's cells are measured, a surface's are those of PatchCover.
-    explicit ExplorationMeter(const engine::SceneView& scene);
-
-    /// The next tick of the interval.
-    void add(const engine::TickRecord& tick);
-
-    /// Ticks on a vertex; times that a contact came to stick; share of the object visited, 0 to 1.
-    [[nodiscard]] std::int64_t vertex_ticks() const noexcept { return vertex_ticks_; }
-    [[nodiscard]] std::int64_t stick_events() const noexcept { return stick_events_; }
-    [[nodiscard]] double covered_share() const noexcept {
-        return std::visit([](const auto& cover) { return cover.share(); }, cover_);
-    }
-    /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact
-    /// between.
-    [[nodiscard]] Deciles speed() const { return deciles_of(speeds_); }
-    /// N, rendered, of contact ticks.
-    [[nodiscard]] Deciles normal_force() const { return deciles_of(forces_); }
-
-private:
-    std::variant<OutlineCover, PatchCover> cover_;
-    std::int64_t vertex_ticks_ = 0;
-    std::int64_t stick_events_ = 0;
-    engine::Mode last_mode_ = engine::Mode::free;
-    engine::Vec3 from_{};         ///< where the speed's window began
-    std::int64_t from_time_ = 0;  ///< ns
-    std::vector<double> speeds_;
-    std::vector<double> forces_;
 };
 
 /// Counts how often a hand stroked along a surface in one direction.

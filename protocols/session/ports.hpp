@@ -37,7 +37,12 @@ struct Ports {
     std::function<bool()> interrupted = [] {
         return false;
     };  ///< e.g. a signal arrived
-    /// Hears of every attempt when it is stored.
+    /// Hears of every event when it is kept, of what an interval lets one feel when it begins, and
+    /// of every attempt when it is stored.
+    std::function<void(const Event&)> happened = [](const Event&) {
+    };
+    std::function<void(TrialId, const Presentation&)> felt = [](TrialId, const Presentation&) {
+    };
     std::function<void(const Progress&)> progress = [](const Progress&) {
     };
     /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear

@@ -68,7 +68,7 @@ struct TrialSummary {
     std::int64_t vertex_ticks = 0;           ///< in contact on vertex 0 itself
     std::int64_t stick_events = 0;           ///< times that a sliding god-object stuck again
     bool sticks = true;                      ///< there is friction: without, nothing can stick
-    Deciles speed{};                         ///< m/s, see ExplorationMeter
+    Deciles speed{};                         ///< m/s, see TrialMeter
     Deciles normal_force{};                  ///< N, rendered, of contact ticks
     double covered_share = 0.0;         ///< share of the outline that was visited, see OutlineCover
     std::int64_t contact_episodes = 0;  ///< times that HIP came into contact
@@ -184,7 +184,7 @@ struct Event {
     friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// Keeps a session. One thread; calls come in the order of the session.
+/// Keeps a session; this one keeps nothing. One thread; calls come in the order of the session.
 class Recorder {
 public:
     Recorder() = default;
@@ -193,21 +193,26 @@ public:
     virtual ~Recorder() = default;
 
     /// A new attempt at a planned trial; nothing is felt before its first interval begins.
-    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned) = 0;
+    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& /*planned*/) {
+        return ++attempts_;
+    }
     /// The next interval of the running trial begins: its ticks are counted from 0.
-    virtual void begin_interval(TrialId trial,
-                                const Presentation& felt,
-                                const SceneConstants& scene) = 0;
+    virtual void begin_interval(TrialId /*trial*/,
+                                const Presentation& /*felt*/,
+                                const SceneConstants& /*scene*/) {}
     /// The next ticks of the running interval, in order and without gaps. Durable with the next
     /// save().
-    virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
+    virtual void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) {}
     /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
     virtual bool save() { return true; }
-    virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
+    virtual void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) {}
     /// A mark also leaves its reason with the trial, which has ended and keeps its answer.
-    virtual void event(const Event& event) = 0;
+    virtual void event(const Event& /*event*/) {}
     /// All planned trials are done.
-    virtual void finish_session() = 0;
+    virtual void finish_session() {}
+
+private:
+    TrialId attempts_ = 0;
 };
 
 }  // namespace palpate::protocols

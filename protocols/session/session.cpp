@@ -142,6 +142,7 @@ private:
 
     void happened(const Event& event) {
         ports_.recorder.event(event);
+        ports_.happened(event);
         const bool waited = event.kind == EventKind::go_on || event.kind == EventKind::provenance;
         waited_s_ += waited ? event.duration_s.value_or(0.0) : 0.0;
         progress_ = apply(std::move(progress_), event);

@@ -10,7 +10,9 @@ namespace palpate::protocols {
 
 TrialMeter::TrialMeter(double stiffness, const engine::SceneView& scene)
     : ledger_(stiffness, scene.plane != nullptr && scene.plane->soft() != nullptr),
-      exploration_(scene),
+      cover_(scene.plane != nullptr
+                 ? std::variant<OutlineCover, PatchCover>(OutlineCover(scene.plane->outline()))
+                 : PatchCover()),
       in_space_(scene.space != nullptr) {
     const engine::SceneSpec* spec = scene.plane != nullptr ? &scene.plane->spec()
                                   : scene.space != nullptr ? &scene.space->spec().contact
@@ -152,8 +154,28 @@ void TrialMeter::add_contact(const engine::TickRecord& tick) {
     sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
     sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
     sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
+    sum_.vertex_ticks += tick.segment == -1 ? 1 : 0;
+    sum_.stick_events += tick.mode == engine::Mode::stuck && last_mode_ != engine::Mode::stuck &&
+                         last_mode_ != engine::Mode::free;
     force_sum_ += tick.normal_force;
+    forces_.push_back(tick.normal_force);
     sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
+    std::visit([&tick](auto& cover) { cover.add(tick); }, cover_);
+    add_speed(tick);
+}
+
+/// Way by time between contact ticks kWindow or more apart.
+void TrialMeter::add_speed(const engine::TickRecord& tick) {
+    const std::int64_t time = tick.time_ns - from_time_;
+    const bool begins = last_mode_ == engine::Mode::free;
+    if (!begins && time < kWindow) {
+        return;
+    }
+    if (!begins) {
+        speeds_.push_back(glm::length(tick.hip - from_) / (static_cast<double>(time) * 1e-9));
+    }
+    from_ = tick.hip;
+    from_time_ = tick.time_ns;
 }
 
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
@@ -174,12 +196,12 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         last_force_ = tick.force;
         last_time_ = tick.time_ns;
         add_stroke(tick);
-        exploration_.add(tick);
         ++sum_.ticks;
         add_flags(tick.flags, sum_);
         if (tick.mode != engine::Mode::free) {
             add_contact(tick);
         }
+        last_mode_ = tick.mode;
     }
 }
 
@@ -191,11 +213,9 @@ TrialSummary TrialMeter::summary() const {
     summary.strokes_before_vertex = strokes_.before_vertex();
     summary.strokes_after_vertex = strokes_.after_vertex();
     summary.reversals = strokes_.reversals() + across_.reversals();
-    summary.vertex_ticks = exploration_.vertex_ticks();
-    summary.stick_events = exploration_.stick_events();
-    summary.speed = exploration_.speed();
-    summary.normal_force = exploration_.normal_force();
-    summary.covered_share = exploration_.covered_share();
+    summary.speed = deciles_of(speeds_);
+    summary.normal_force = deciles_of(forces_);
+    summary.covered_share = std::visit([](const auto& cover) { return cover.share(); }, cover_);
     if (contact_time_ > 0.0) {
         summary.mean_speed_m_per_s = contact_path_ / contact_time_;
     }

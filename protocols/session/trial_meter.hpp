@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
+#include "engine/realtime/scene_view.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/exploration_meter.hpp"
@@ -13,9 +15,12 @@
 
 namespace palpate::protocols {
 
-/// Adds up a trial's ticks while they come.
+/// Adds up a trial's ticks while they come. Contour following is made of strokes, stops and turns
+/// (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
 class TrialMeter {
 public:
+    static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
+
     /// In space nothing is before or after a vertex. @param stiffness  K of the contact, N/m
     TrialMeter(double stiffness, const engine::SceneView& scene);
     void add(std::span<const engine::TickRecord> ticks);
@@ -24,17 +29,23 @@ public:
 private:
     void add_stroke(const engine::TickRecord& tick);
     void add_contact(const engine::TickRecord& tick);
+    void add_speed(const engine::TickRecord& tick);
 
     TrialSummary sum_{};
     engine::EnergyLedger<3> ledger_;
     StrokeCounter strokes_;
     StrokeCounter across_;  ///< on a surface: along y
-    ExplorationMeter exploration_;
+    std::variant<OutlineCover, PatchCover> cover_;
     bool in_space_ = false;
-    double force_sum_ = 0.0;     ///< N, over contact ticks
-    double contact_path_ = 0.0;  ///< m, of the steps that end in contact
-    double contact_time_ = 0.0;  ///< s, of these steps
+    double force_sum_ = 0.0;      ///< N, over contact ticks
+    double contact_path_ = 0.0;   ///< m, of the steps that end in contact
+    double contact_time_ = 0.0;   ///< s, of these steps
+    engine::Vec3 from_{};         ///< where the window of a speed began
+    std::int64_t from_time_ = 0;  ///< ns
+    std::vector<double> speeds_;  ///< m/s, of such windows with nothing but contact in them
+    std::vector<double> forces_;  ///< N, rendered, of contact ticks
     bool started_ = false;
+    engine::Mode last_mode_ = engine::Mode::free;
     engine::Vec3 last_hip_{};
     engine::Vec3 last_force_{};
     std::int64_t last_time_ = 0;  ///< ns

@@ -8,33 +8,6 @@
 #include "protocols/trial/trial_scene.hpp"
 
 namespace palpate::protocols {
-namespace {
-
-/// Switches the force off when the felt part ends, however it ends.
-class ForceScope {
-public:
-    ForceScope(Apparatus& apparatus,
-               const engine::SceneView& scene,
-               std::size_t position,
-               std::size_t interval)
-        : apparatus_(&apparatus) {
-        apparatus.begin(scene, position, interval);
-    }
-    ForceScope(const ForceScope&) = delete;
-    ForceScope& operator=(const ForceScope&) = delete;
-    ~ForceScope() { end(); }
-    void end() {
-        if (apparatus_ != nullptr) {
-            apparatus_->end();
-            apparatus_ = nullptr;
-        }
-    }
-
-private:
-    Apparatus* apparatus_;
-};
-
-}  // namespace
 
 TrialRunner::TrialRunner(const Protocol& protocol,
                          const Plan& plan,
@@ -114,6 +87,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         const engine::FeltScene scene = make_felt_scene(protocol_, one);
         ports_.recorder.begin_interval(
             trial.id, one, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
+        ports_.felt(trial.id, one);
         feel(trial, one, scene);
         timed_out = timed_out || result.outcome == Outcome::timed_out;
         if (!is_answered(result.outcome)) {

@@ -95,4 +95,28 @@ public:
     [[nodiscard]] virtual std::string timing() const { return {}; }
 };
 
+/// One interval of a trial: the force goes off when it ends, however it ends.
+class ForceScope {
+public:
+    ForceScope(Apparatus& apparatus,
+               const engine::SceneView& scene,
+               std::size_t position,
+               std::size_t interval)
+        : apparatus_(&apparatus) {
+        apparatus.begin(scene, position, interval);
+    }
+    ForceScope(const ForceScope&) = delete;
+    ForceScope& operator=(const ForceScope&) = delete;
+    ~ForceScope() { end(); }
+    void end() {
+        if (apparatus_ != nullptr) {
+            apparatus_->end();
+            apparatus_ = nullptr;
+        }
+    }
+
+private:
+    Apparatus* apparatus_;
+};
+
 }  // namespace palpate::protocols

@@ -43,6 +43,8 @@ struct TrialView {
     double explore_timeout_s = 0.0;
     std::size_t interval = 1;  ///< of the trial, 1..intervals: each is begun and felt by itself
     std::size_t intervals = 1;
+
+    friend bool operator==(const TrialView&, const TrialView&) = default;
 };
 
 /// What is wrong with the device, for whoever can mend it. Nothing of the condition, ever.

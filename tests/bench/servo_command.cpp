@@ -5,7 +5,7 @@
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
-#include "ui/doctor/wake_up.hpp"
+#include "ui/doctor/checks.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
 

@@ -105,7 +105,7 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
 }
 
 /// A disk that fails once, and would take everything after it.
-class DiskWithHiccup : public NoRecorder {
+class DiskWithHiccup : public protocols::Recorder {
 public:
     explicit DiskWithHiccup(int failing) : failing_(failing) {}
     protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {

@@ -1,5 +1,6 @@
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/short_text.hpp"
 
 namespace {
 
@@ -160,4 +161,53 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep",
                                     "[procedure] in line ",
                                 "keep [procedure]", "or keep [design]"));
     CHECK(std::count(check.error.begin(), check.error.end(), '\n') == 1);
+}
+
+TEST_CASE("check warns of instructions that the screen's language lacks, and of noise that is cut",
+          "[cli][law]") {
+    using namespace protocols;
+    Protocol protocol = parse_protocol(short_text("shape_friction"), "p.toml");
+    protocol.response.kind = ResponseKind::rating;
+    protocol.response.question = "How round?";
+    protocol.response.low = "not";
+    protocol.response.high = "very";
+    const TemporaryFile file("advised.toml");
+    const auto others = [&] {  // what is said of plan and friction is not looked at here
+        write(file, to_toml(protocol));
+        std::string all;
+        std::istringstream said(ran({"check", file}).out);
+        for (std::string sentence; std::getline(said, sentence);) {
+            const bool ours = sentence.find("instructions.") != std::string::npos ||
+                              sentence.find("font lacks") != std::string::npos ||
+                              sentence.find("full scale") != std::string::npos;
+            all += ours ? sentence + "\n" : "";
+        }
+        return all;
+    };
+    CHECK(others().empty());
+    protocol.instructions[0].welcome = "Hello";
+    CHECK(others().empty());
+    protocol.language = Language::tr;
+    CHECK_THAT(others(), Has("[instructions.tr] has no welcome"));
+    protocol.instructions[1].welcome = "Merhaba";
+    CHECK(others().empty());
+    for (const auto& [text, reason] : {std::pair{"Hissedin: あ", "\"あ\": the font lacks it"},
+                                       std::pair{"חושו", "\"ח\": what runs from right to left"},
+                                       std::pair{"חושו あ", "\"あ\": the font lacks it"}}) {
+        protocol.instructions[1].choose = text;
+        CHECK_THAT(others(), Has("[instructions.tr] choose has ", reason));
+    }
+    for (std::string* words :
+         {&protocol.response.question, &protocol.response.low, &protocol.response.high}) {
+        const std::string before = std::exchange(*words, "形");
+        CHECK_THAT(others(), Has("has \"形\": the font lacks it"));
+        *words = before;
+    }
+    protocol.title = "形";  // no screen has it
+    protocol.instructions[1].choose = "Ποιο; Który? ¿Cuál? Ğüzel — “…”\n№ 5";
+    CHECK(others().empty());
+    protocol.masking = {.noise = Noise::pink, .level_db = -11.9};
+    CHECK_THAT(others(), Has("is cut at full scale"));
+    protocol.masking.noise = Noise::none;
+    CHECK(others().empty());
 }

@@ -136,7 +136,8 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
         seen = count;
         for (const ui::LiveTick& tick : ticks) {
             const ui::LiveTick blind{
-                .t_s = tick.t_s, .late_us = tick.late_us, .force_on = tick.force_on};
+                .tick = {.time_ns = tick.tick.time_ns, .lateness_us = tick.tick.lateness_us},
+                .force_on = tick.force_on};
             shown += std::memcmp(&tick, &blind, sizeof tick) != 0 ? 1U : 0U;
         }
         return session.kept("SELECT count(*) FROM response") >= "2";
@@ -163,7 +164,7 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
     CHECK(session.ask({{"do", "go on"}})["ok"] == true);
     CHECK(eventually([&] {
         const auto ticks = session.shown.reader->ticks_after(0).first;
-        return !ticks.empty() && ticks.back().hip != std::array<float, 2>{};
+        return !ticks.empty() && ticks.back().tick.hip != engine::Vec3{};
     }));
     CHECK(session.program.wait().code == 0);
     CHECK(session.kept(events_of("reveal")) == "1");

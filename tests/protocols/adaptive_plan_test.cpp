@@ -1,5 +1,5 @@
 #include "protocols/design/session_plan.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/short_text.hpp"
 

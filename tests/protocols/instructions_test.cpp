@@ -1,7 +1,7 @@
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "protocols/trial/start_gate.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/short_text.hpp"

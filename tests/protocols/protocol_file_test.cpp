@@ -2,7 +2,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/slurp.hpp"

@@ -18,7 +18,7 @@ struct Made {
 };
 
 /// Keeps everything, and ends the program at a given call.
-class Ledger : public NoRecorder {
+class Ledger : public protocols::Recorder {
 public:
     TrialId begin_trial(const PlannedTrial& planned) override {
         call();

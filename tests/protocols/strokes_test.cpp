@@ -171,7 +171,7 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted") {
     SEED(30);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const engine::Scene scene = felt_scene(5.0);
-    ExplorationMeter meter(scene);
+    protocols::TrialMeter meter(1000.0, scene);
     const double slow =
         random.in(0.01, 0.05);  // m/s, four fifths of the time in contact; then twice it
     double x = 0.0;
@@ -189,31 +189,32 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted") {
             tick.mode = i % 30 == 0 ? Mode::stuck : i % 30 == 20 ? Mode::transition : Mode::slip;
             stops += tick.mode == Mode::stuck && i > 0 ? 1 : 0;  // who touches down has not slid
             on_vertex += tick.segment == -1 ? 1 : 0;
-            meter.add(tick);
+            meter.add({&tick, 1});
         }
         for (int i = 0; i < 1 + random.below(40); ++i) {  // a leap in the air is no speed
             x += random.in(-0.02, 0.02);
             TickRecord tick = tick_on(k++, -1, 0.0);
             tick.mode = Mode::free;
             tick.hip = {x, 0.0, 0.0};
-            meter.add(tick);
+            meter.add({&tick, 1});
         }
     }
-    CHECK(meter.stick_events() == stops);
-    CHECK(meter.vertex_ticks() == on_vertex);
-    CHECK(meter.speed().p10 == Approx(slow).epsilon(1e-9));
-    CHECK(meter.speed().p50 == Approx(slow).epsilon(1e-9));
-    CHECK(meter.speed().p90 == Approx(2.0 * slow).epsilon(1e-9));
-    CHECK(meter.normal_force().p50 == slow);
-    CHECK(meter.normal_force().p90 == 2.0 * slow);
+    const TrialSummary sum = meter.summary();
+    CHECK(sum.stick_events == stops);
+    CHECK(sum.vertex_ticks == on_vertex);
+    CHECK(sum.speed.p10 == Approx(slow).epsilon(1e-9));
+    CHECK(sum.speed.p50 == Approx(slow).epsilon(1e-9));
+    CHECK(sum.speed.p90 == Approx(2.0 * slow).epsilon(1e-9));
+    CHECK(sum.normal_force.p50 == slow);
+    CHECK(sum.normal_force.p90 == 2.0 * slow);
 }
 
 TEST_CASE("a hand that was never in contact has no speed, no force and covers nothing") {
     const engine::Scene scene = felt_scene(5.0);
-    const ExplorationMeter meter(scene);
-    CHECK(meter.speed().p90 == 0.0);
-    CHECK(meter.normal_force().p10 == 0.0);
-    CHECK(meter.covered_share() == 0.0);
+    const TrialSummary sum = protocols::TrialMeter(1000.0, scene).summary();
+    CHECK(sum.speed.p90 == 0.0);
+    CHECK(sum.normal_force.p10 == 0.0);
+    CHECK(sum.covered_share == 0.0);
 }
 
 TEST_CASE("every sweep along the surface is one stroke, however the surface lies") {

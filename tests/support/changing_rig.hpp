@@ -11,7 +11,7 @@ using namespace protocols;
 using engine::Trip;
 
 /// Keeps the kinds of events, and what trust they leave: written by hand beside the fold.
-class Kinds : public NoRecorder {
+class Kinds : public protocols::Recorder {
 public:
     TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
     void event(const Event& event) override {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/slurp.hpp"
 

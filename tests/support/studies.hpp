@@ -69,23 +69,6 @@ struct SmallSession {
     data::SqliteRecorder recorder{database, spec.protocol, id};
 };
 
-/// Keeps nothing.
-class NoRecorder : public protocols::Recorder {
-public:
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*planned*/) override {
-        return 1;
-    }
-    void begin_interval(protocols::TrialId /*trial*/,
-                        const protocols::Presentation& /*felt*/,
-                        const protocols::SceneConstants& /*scene*/) override {}
-    void append(protocols::TrialId /*trial*/,
-                std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(protocols::TrialId /*trial*/,
-                   const protocols::TrialResult& /*result*/) override {}
-    void event(const protocols::Event& /*event*/) override {}
-    void finish_session() override {}
-};
-
 /// The rows of `sql`, a line each; a space after every value.
 [[nodiscard]] std::string lines(data::Database& database, const std::string& sql);
 /// How many rows `from` gives: a table, with its joins and WHERE.

@@ -89,7 +89,7 @@ private:
     ui::SubjectScreen screen_;
 };
 
-struct Forgetful : NoRecorder {
+struct Forgetful : protocols::Recorder {
     TrialId begin_trial(const PlannedTrial& planned) override {
         conditions.insert(planned.condition);
         return 1;
@@ -125,13 +125,11 @@ TEST_CASE(
 
 TEST_CASE("nothing of the condition is among what the explore screen is drawn from") {
     // Whoever adds a member to the face must come here and say why it cannot tell the shape.
-    const auto [number, total, practice, may_finish, prompt, dead_man, interval, intervals,
-                asks_shape] = ui::ExploreFace{};
-    // Every trial has as many intervals as the others, and asks the same question.
-    CHECK((interval == 1 && intervals == 1 && asks_shape));
-    CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
-    CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
-    CHECK_FALSE((practice || may_finish || prompt || dead_man));
+    const auto [trial, may_finish, prompt, dead_man, asks_shape] = ui::ExploreFace{};
+    // Every trial asks the same question; of TrialView below.
+    CHECK(asks_shape);
+    CHECK(std::is_same_v<std::remove_const_t<decltype(trial)>, TrialView>);
+    CHECK_FALSE((may_finish || prompt || dead_man));
 }
 
 TEST_CASE(
@@ -282,9 +280,8 @@ TEST_CASE(
 
 TEST_CASE("nothing of the condition is among what the ready and answer screens are drawn from") {
     // As above. What a question says is the same for every trial of a session.
-    const auto [number, total, practice, dead_man, interval, intervals, start] = ui::ReadyFace{};
-    CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1 &&
-           !start));
+    const auto [trial, dead_man, start] = ui::ReadyFace{};
+    CHECK((trial == TrialView{} && !dead_man && !start));
     const auto [question, selected, watched] = ui::ChooseFace{};
     const auto& [kind, text, pictures, answers, labels, confidence, confirm, limit_s] = question;
     CHECK((kind == ResponseKind::identification && text.empty() && pictures.empty() &&

@@ -53,20 +53,22 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
         all.push_back(shown(WelcomeFace{1114, 112, true, true, true, asks}, &ui::Words::begin));
         all.push_back(shown(WelcomeFace{1, 0, false, false, false, asks}, &ui::Words::begin));
     }
-    all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &ui::Words::press_to_feel));
-    all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &ui::Words::hold_to_feel));
+    TrialView trial{.number = 1027, .total = 1114, .practice = true, .intervals = 2};
+    all.push_back(shown(ReadyFace{trial, true}, &ui::Words::hold_to_feel));
+    trial.interval = 2;
+    all.push_back(shown(ReadyFace{trial, false}, &ui::Words::press_to_feel));
     for (const auto& [x, open, inside, to_press] :
          {std::tuple(0.03, true, false, &ui::Words::press_to_feel),
           std::tuple(0.03, false, false, &ui::Words::bring_to_start),
           std::tuple(0.004, false, false, &ui::Words::bring_to_height),
           std::tuple(0.0, false, true, &ui::Words::bring_out)}) {
         const StartMark mark{{x, 0.0, 0.01}, 0.005, true, open, inside, true};
-        all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark}, to_press));
+        all.push_back(shown(ReadyFace{trial, false, mark}, to_press));
     }
     for (const bool shape : {false, true}) {
-        all.push_back(shown(ExploreFace{1027, 1114, true, true, true, true, 2, 2, shape},
+        all.push_back(shown(ExploreFace{trial, true, true, true, shape},
                             shape ? &ui::Words::enter_when_known : &ui::Words::enter_when_felt));
-        all.push_back(shown(ExploreFace{1027, 1114, true, false, true, false, 2, 2, shape},
+        all.push_back(shown(ExploreFace{trial, false, true, false, shape},
                             shape ? &ui::Words::space_when_known : &ui::Words::space_when_felt));
     }
     const auto ask = [&](Question question) {
@@ -98,9 +100,10 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     all.back().cards = lay_out_scale(kMaxConfidence, size);
     all.push_back(shown(FeedbackFace{true}));
     all.push_back(shown(FeedbackFace{false}));
-    all.push_back(shown(BreakFace{0, 1031, 1114}, &ui::Words::go_on));
-    all.push_back(shown(BreakFace{120, 1031, 1114, true}));
-    all.push_back(shown(BreakFace{0, 1031, 1114, false, true}, &ui::Words::home_first));
+    const TrialView next{.number = 1031, .total = 1114};
+    all.push_back(shown(BreakFace{0, next}, &ui::Words::go_on));
+    all.push_back(shown(BreakFace{120, {.number = 1031, .total = 1114, .practice = true}}));
+    all.push_back(shown(BreakFace{0, next, true}, &ui::Words::home_first));
     const std::string sentence =
         "/dev/serial/by-id/usb-Haply_Robotics_2diy_0123456789-if00: the device stopped answering "
         "17 s ago: check its cable and its power, then wait until it is found again";

@@ -1,7 +1,5 @@
-#include "ui/cli/study_advice.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/sound/masked_observer.hpp"
-#include "ui/subject/font.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
@@ -38,7 +36,7 @@ private:
 };
 
 /// Keeps the events.
-struct Notes : NoRecorder {
+struct Notes : protocols::Recorder {
     void event(const Event& event) override {
         all.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
@@ -236,46 +234,4 @@ TEST_CASE(
     spec.device.kind = ui::DeviceChoice::Kind::mouse;
     spec.study.protocol.masking = {};
     CHECK(ui::open_masking(spec).note.empty());
-}
-
-TEST_CASE(
-    "check warns of instructions that the screen's language lacks, and of noise that is cut") {
-    Protocol protocol = short_protocol();
-    const auto plan = make_plan(protocol, "hash", {"P1", 1}, 1);
-    const auto others = [&] {  // what is said of plan and friction is not looked at here
-        std::string all;
-        for (const std::string& sentence : ui::advice_on(protocol, plan, ui::find_font(""))) {
-            const bool ours = sentence.find("instructions.") != std::string::npos ||
-                              sentence.find("font lacks") != std::string::npos ||
-                              sentence.find("full scale") != std::string::npos;
-            all += ours ? sentence + "\n" : "";
-        }
-        return all;
-    };
-    CHECK(others().empty());
-    protocol.instructions[0].welcome = "Hello";
-    CHECK(others().empty());
-    protocol.language = Language::tr;
-    CHECK_THAT(others(), Has("[instructions.tr] has no welcome"));
-    protocol.instructions[1].welcome = "Merhaba";
-    CHECK(others().empty());
-    for (const auto& [text, reason] : {std::pair{"Hissedin: あ", "\"あ\": the font lacks it"},
-                                       std::pair{"חושו", "\"ח\": what runs from right to left"},
-                                       std::pair{"חושו あ", "\"あ\": the font lacks it"}}) {
-        protocol.instructions[1].choose = text;
-        CHECK_THAT(others(), Has("[instructions.tr] choose has ", reason));
-    }
-    for (std::string* words :
-         {&protocol.response.question, &protocol.response.low, &protocol.response.high}) {
-        const std::string before = std::exchange(*words, "形");
-        CHECK_THAT(others(), Has("has \"形\": the font lacks it"));
-        *words = before;
-    }
-    protocol.title = "形";  // no screen has it
-    protocol.instructions[1].choose = "Ποιο; Który? ¿Cuál? Ğüzel — “…”\n№ 5";
-    CHECK(others().empty());
-    protocol.masking = {.noise = Noise::pink, .level_db = -11.9};
-    CHECK_THAT(others(), Has("is cut at full scale"));
-    protocol.masking.noise = Noise::none;
-    CHECK(others().empty());
 }

@@ -114,12 +114,9 @@ void print_found(const engine::Calibration& found,
 }
 
 void declare(CommandWords& words, CalibrateOptions& options) {
-    words.add("--device", options.device, "The device to calibrate; sim to try it out")
-        .with_default();
-    words
-        .add("--preset", options.preset,
-             "What is known of it: a calibration file, or haplet, 2diy_gen2, 2diy_gen3, mk2")
-        .with_default();
+    words.add("--device", options.device, "The device to calibrate; sim to try it out");
+    words.add("--preset", options.preset,
+              "What is known of it: a calibration file, or haplet, 2diy_gen2, 2diy_gen3, mk2");
     words
         .add("--mark", options.marks,
              "X_MM,Y_MM of a place where the handle will be held; once for each mark")

@@ -269,8 +269,7 @@ int run(const CommissionOptions& options) {
 }
 
 void declare(CommandWords& words, CommissionOptions& options) {
-    words.add("--device", options.device, "The device to commission; sim to try it out")
-        .with_default();
+    words.add("--device", options.device, "The device to commission; sim to try it out");
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words.add("--mark", options.marks, "X_MM,Y_MM of a place besides home; twice. Left out: chosen")
         .again_for_each();

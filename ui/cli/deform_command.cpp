@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -33,14 +33,12 @@ std::vector<double> times_of(const std::string& text, double step) {
     std::vector<double> times;
     for (std::size_t from = 0; from <= text.size();) {
         const std::size_t to = std::min(text.find(',', from), text.size());
-        const char* const end = text.data() + to;
-        double time = 0.0;
-        const auto read = std::from_chars(text.data() + from, end, time);
-        refuse_if(read.ec != std::errc{} || read.ptr != end || !std::isfinite(time) || time < 0.0 ||
-                      (!times.empty() && time <= times.back()),
+        const std::string word = text.substr(from, to - from);
+        const double time = parsed<double>(word).value_or(-1.0);
+        refuse_if(!std::isfinite(time) || time < 0.0 || (!times.empty() && time <= times.back()),
                   "--times has \"{}\": give seconds from 0, each more than the one before, as "
                   "0.1,0.2",
-                  text.substr(from, to - from));
+                  word);
         refuse_if(
             time / step > kMaxSteps,
             "--times has {} s, which are more than {:g} steps of {} s: give less, or a larger dt_s",

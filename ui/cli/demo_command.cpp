@@ -43,13 +43,12 @@ Study ten_trials_of(Study study) {
 }
 
 void declare(CommandWords& words, DemoOptions& options) {
-    words.add("--db", options.database, "Where the data goes").with_default();
+    words.add("--db", options.database, "Where the data goes");
     words
         .add("--device", options.device,
              "sim, or haply-emulator: in real time over a serial port, with board and guard as "
              "processes of their own")
-        .among({"sim", "haply-emulator"})
-        .with_default();
+        .among({"sim", "haply-emulator"});
     words.add("--seed", options.seed, "Study seed instead of the protocol's");
     add_screen_words(words, options.screen);
 }

@@ -180,20 +180,17 @@ void look_at_timing(Report& report, double rate_hz, double seconds) {
 }
 
 void declare(CommandWords& words, DoctorOptions& options) {
-    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--device", options.device, std::string(kDeviceWords));
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words.add("--protocol", options.protocol,
               "The protocol to be run: its rate, and whether the device can render it");
-    words
-        .add("--db", options.database,
-             "Where the data will go: room and speed of its disk; nothing is written into it")
-        .with_default();
+    words.add("--db", options.database,
+              "Where the data will go: room and speed of its disk; nothing is written into it");
     words.add("--font", options.font, "A TrueType font for the subject's screen");
     words
         .add("--seconds", options.seconds,
              "How long to measure the jitter; as long again with cyclictest installed")
-        .within(0.05, 3600.0)
-        .with_default();
+        .within(0.05, 3600.0);
     words.add("--json", options.json, "One JSON object instead of lines");
 }
 

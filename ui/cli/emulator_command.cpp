@@ -77,10 +77,9 @@ void declare_free_handle(CommandWords& words, EmulatorOptions& options) {
 void declare(CommandWords& words, EmulatorOptions& options) {
     words.add("--link", options.link,
               "A link to its terminal, for --device haply:LINK or board:LINK");
-    words
-        .add("--preset", options.preset,
-             "2diy_gen3, 2diy_gen2, haplet, or a calibration file, with --open also of three axes")
-        .with_default();
+    words.add(
+        "--preset", options.preset,
+        "2diy_gen3, 2diy_gen2, haplet, or a calibration file, with --open also of three axes");
     words
         .add("--delay-ms", options.delay_ms,
              "How long after a packet its answer goes out, ms; a USB port needs about 1. A line "

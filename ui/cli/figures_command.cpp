@@ -14,8 +14,7 @@ struct FigureOptions {
 };
 
 void declare(CommandWords& words, FigureOptions& options) {
-    words.add("-o,--output", options.directory, "Folder for the files; made if not there")
-        .with_default();
+    words.add("-o,--output", options.directory, "Folder for the files; made if not there");
 }
 
 /// A program of its own computes them, in the place of this one.

@@ -3,7 +3,7 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
@@ -22,9 +22,7 @@ void declare(CommandWords& words, NewOptions& options) {
     words.add("FILE", options.file, "The file to make; its name becomes the study's id")
         .required_unless("--keys")
         .excludes("--keys");
-    words.add("--from", options.from, "The shipped protocol to begin with")
-        .with_default()
-        .excludes("--keys");
+    words.add("--from", options.from, "The shipped protocol to begin with").excludes("--keys");
     words.add("--keys", options.keys, "Print what a protocol file may say");
     words.add("--markdown", options.markdown, "With --keys: of every kind of file, as Markdown")
         .needs("--keys");

@@ -46,8 +46,7 @@ struct PowerOptions {
 /// How many are simulated, and how.
 void declare_studies(CommandWords& words, PowerOptions& options) {
     words.add("--studies", options.studies, "So many simulated studies for each number")
-        .within(10, 1'000'000)
-        .with_default();
+        .within(10, 1'000'000);
     words
         .add("--null-studies", options.null_studies,
              "The same without an effect, for the type I error; 0: ten times --studies, with mixed "
@@ -58,8 +57,7 @@ void declare_studies(CommandWords& words, PowerOptions& options) {
         .add("--hands", options.hands,
              "People whose hands feel every trial of a session once; all studies are judged from "
              "these")
-        .within(1, 1000)
-        .with_default();
+        .within(1, 1000);
     words
         .add("--threads", options.threads,
              "0: as many as there are processors for it. The numbers are the same")
@@ -82,12 +80,9 @@ void declare(CommandWords& words, PowerOptions& options) {
         .add("--effect-sd", options.effect_sd,
              "How much people differ in that, a standard deviation in logit")
         .within(0.0, 5.0)
-        .with_default()
         .tells(options.effect_sd_said);
-    words.add("--participants", options.participants, "For which numbers of them, from 2 to 200")
-        .with_default();
-    words.add("--observer", options.observer, "Who they are: an observer file, or typical")
-        .with_default();
+    words.add("--participants", options.participants, "For which numbers of them, from 2 to 200");
+    words.add("--observer", options.observer, "Who they are: an observer file, or typical");
     words.add("--friction", options.friction,
               "Which one is compared with the least; without it the largest");
     words.add("--test", options.test, "Another primary test than that of the protocol's [analysis]")

@@ -19,7 +19,6 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/admission.hpp"
 #include "ui/session/begin_session.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
@@ -132,7 +131,7 @@ void declare(CommandWords& words, RunOptions& options) {
         .required();
     words.add("--db", options.database, "The study's database file; made if it is not there")
         .required();
-    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--device", options.device, std::string(kDeviceWords));
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words
         .add("--kind", options.kind,
@@ -157,8 +156,7 @@ void declare(CommandWords& words, RunOptions& options) {
         .add("--resume", options.resume,
              "A session that was broken off goes on with the next trial, with the first of its "
              "block, or with the practice; answers of what is begun again do not count")
-        .among({data::kResumeWords.begin(), data::kResumeWords.end()})
-        .with_default();
+        .among({data::kResumeWords.begin(), data::kResumeWords.end()});
     words.add("--new-version", options.rig.new_version,
               "The protocol was changed on purpose since the last person of this file ran it; "
               "analyses keep its versions apart");

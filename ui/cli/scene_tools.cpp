@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "engine/surface/surface_scene.hpp"
-#include "ui/cli/trajectory.hpp"
+#include "data/csv/number_table.hpp"
 #include "ui/command/command.hpp"
 
 namespace palpate::ui {
@@ -27,50 +29,148 @@ using engine::Vec;
 using engine::Vec2;
 using protocols::SceneFile;
 
+constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
+
+/// Tick periods that differ by less than this share are the same.
+constexpr double kSamePeriod = 1e-6;
+constexpr double kShortestPeriod = 1e-12;  ///< s: a speed over less may be no number
+constexpr double kLongestPeriod = 3600.0;  ///< s
+/// Tick period of a path of a single row, s.
+constexpr double kUsualPeriod = 0.001;
+
+std::span<const std::string_view> columns_of(int dimension, bool timed) {
+    const std::size_t first = timed ? 0 : 1;
+    return std::span(kColumns).subspan(first, static_cast<std::size_t>(dimension) + 1 - first);
+}
+
+/// A table of points: a path of a hand, or points at no time, checked as a whole when it is made and
+/// then read again row by row: it may be longer than the memory.
+class Trajectory {
+public:
+    /// @param timed  false: there is no column t_s; ticks have no time
+    /// @throws data::CsvError for what is no table of finite numbers, a place out of reach, a time
+    ///         that does not grow or a tick above an hour: file:line, the value and a remedy
+    Trajectory(const std::filesystem::path& file, int dimension, bool timed);
+
+    struct Tick {
+        double t = 0.0;       ///< s
+        double period = 0.0;  ///< s: since the tick before; of the first, that of the second
+        engine::Vec3 hip{};   ///< m; z is 0 in the plane
+    };
+
+    /// One after the other.
+    class Rows {
+    public:
+        explicit Rows(const Trajectory& path);
+        /// @return false at the end @throws data::CsvError as Trajectory, if the file was changed
+        /// meanwhile
+        [[nodiscard]] bool next();
+        [[nodiscard]] const Tick& tick() const noexcept { return tick_; }
+        [[nodiscard]] std::size_t line() const { return rows_.line(); }  ///< in the file, from 1
+
+    private:
+        const Trajectory& path_;
+        data::NumberRows rows_;
+        std::size_t read_ = 0;
+        Tick tick_{};
+    };
+
+    /// Of the first tick, s; of an empty path, or one of a single tick, 1 ms.
+    [[nodiscard]] double first_period() const noexcept { return first_; }
+    [[nodiscard]] const std::string& name() const noexcept { return text_.name(); }
+
+private:
+    /// Periods near the mean are the mean: t_s in decimals is rounded.
+    [[nodiscard]] double evened(double period) const noexcept;
+
+    data::RereadableText text_;
+    int dimension_;
+    bool timed_;
+    double mean_ = 0.0;   ///< period, s; 0: not known yet
+    double first_ = 0.0;  ///< period, s
+};
+
+Trajectory::Trajectory(const std::filesystem::path& file, int dimension, bool timed)
+    : text_(file), dimension_(dimension), timed_(timed), first_(kUsualPeriod) {
+    Rows rows(*this);
+    std::size_t count = 0;
+    double begin = 0.0;
+    double second = 0.0;
+    for (; rows.next(); ++count) {
+        begin = count == 0 ? rows.tick().t : begin;
+        second = count == 1 ? rows.tick().t : second;
+    }
+    if (timed && count > 1) {
+        mean_ = (rows.tick().t - begin) / static_cast<double>(count - 1);
+        first_ = evened(second - begin);
+    }
+}
+
+double Trajectory::evened(double period) const noexcept {
+    return std::fabs(period - mean_) <= kSamePeriod * mean_ ? mean_ : period;
+}
+
+Trajectory::Rows::Rows(const Trajectory& path)
+    : path_(path), rows_(path.text_, columns_of(path.dimension_, path.timed_)) {}
+
+bool Trajectory::Rows::next() {
+    if (!rows_.next()) {
+        return false;
+    }
+    const std::string& file = path_.name();
+    const double before = tick_.t;
+    tick_ = {.t = path_.timed_ ? rows_.at(0) : 0.0, .period = path_.first_};
+    for (int k = 0; k < path_.dimension_; ++k) {
+        const auto column = static_cast<std::size_t>(k);
+        tick_.hip[k] = rows_.at(column + (path_.timed_ ? 1 : 0));
+        refuse_if<data::CsvError>(std::fabs(tick_.hip[k]) > protocols::kFarthest,
+                                  "{}:{}: {} is {}: give metres from {} to {}", file, rows_.line(),
+                                  kColumns.at(column + 1), tick_.hip[k], -protocols::kFarthest,
+                                  protocols::kFarthest);
+    }
+    if (!path_.timed_ || read_++ == 0) {
+        return true;
+    }
+    const double period = tick_.t - before;
+    refuse_if<data::CsvError>(!(period > 0.0),
+                              "{}:{}: t_s is {} after {}: time has to grow from row to row", file,
+                              rows_.line(), tick_.t, before);
+    refuse_if<data::CsvError>(period < kShortestPeriod || period > kLongestPeriod,
+                              "{}:{}: t_s is {} after {}: give ticks of {} to {} s", file,
+                              rows_.line(), tick_.t, before, kShortestPeriod, kLongestPeriod);
+    tick_.period = path_.evened(period);
+    return true;
+}
+
 /// A mode as render writes it: whoever reads its tables knows them so.
 std::string_view mode_text(engine::Mode mode) {
     constexpr std::array<std::string_view, 4> kWords{"FREE", "STUCK", "SLIP", "TRANSITION"};
     return kWords[static_cast<std::size_t>(mode)];
 }
 
-/// One line of CSV after another.
-class Lines {
-public:
-    explicit Lines(std::string_view head) : text_(head) { text_ += '\n'; }
-
-    void begin() { first_ = true; }
-    void end() { text_ += '\n'; }
-    void add(std::string_view word) {
-        comma();
-        text_ += word;
-    }
-    template <class Number>
-    requires std::is_arithmetic_v<Number>
-    void add(Number value) {  // -0 is 0
-        comma();
-        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"),
-                       value == Number{} ? Number{} : value);
-    }
-    template <int D>
-    void add_point(const Vec<D>& p) {
-        for (int k = 0; k < D; ++k) {
-            add(p[k]);
+/// A value of a row of CSV and its comma: of a point one coordinate after the other; -0 is 0.
+template <class Value>
+void add(std::string& text, const Value& value) {
+    if constexpr (std::is_same_v<Value, bool>) {
+        text += value ? "1," : "0,";
+    } else if constexpr (std::is_arithmetic_v<Value>) {
+        fmt::format_to(std::back_inserter(text), FMT_COMPILE("{},"),
+                       value == Value{} ? Value{} : value);
+    } else if constexpr (std::is_same_v<Value, std::string_view>) {
+        text += value;
+        text += ',';
+    } else {
+        for (int k = 0; k < Value::length(); ++k) {
+            add(text, value[k]);
         }
     }
-    [[nodiscard]] const std::string& text() const noexcept { return text_; }
-    void clear() { text_.clear(); }
+}
 
-private:
-    void comma() {
-        if (!first_) {
-            text_ += ',';
-        }
-        first_ = false;
-    }
-
-    std::string text_;
-    bool first_ = true;
-};
+template <class... Values>
+void add_row(std::string& text, const Values&... values) {
+    (add(text, values), ...);
+    text.back() = '\n';
+}
 
 /// Segment and u are those of the closest point, on a vertex the end of the segment before it; the
 /// god-object out of contact is that point.
@@ -80,29 +180,8 @@ constexpr std::string_view kSpaceHead =
     "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,held,"
     "slewed,unproven";
 
-void add_marks(Lines& lines, const PlaneTick::Marks& marks) {
-    for (const bool mark : {marks.held, marks.slewed, marks.unproven}) {
-        lines.add(std::size_t{mark});
-    }
-}
-
-void add_row(Lines& lines, double t, const PlaneTick& tick) {
-    lines.begin();
-    lines.add(t);
-    lines.add(mode_text(tick.mode));
-    lines.add(tick.place.segment);
-    lines.add(tick.place.u);
-    lines.add_point<2>(tick.cp);
-    lines.add_point<2>(tick.go);
-    lines.add(tick.fn);
-    lines.add(tick.ft);
-    lines.add_point<2>(tick.force);
-    add_marks(lines, tick.marks);
-    lines.end();
-}
-
 /// Writes the row of a tick.
-using Feel = std::function<void(Lines&, const Trajectory::Tick&)>;
+using Feel = std::function<void(std::string&, const Trajectory::Tick&)>;
 
 /// Our own renderer.
 PlaneFeel plane_feel(const SceneFile& file, double period) {
@@ -131,26 +210,15 @@ Feel surface_feel(const SceneFile& file, double period) {
     const auto scene = std::make_shared<engine::SurfaceScene>(
         file.surfaces, engine::SurfaceSceneSpec{.contact = protocols::spec_of(file, period)});
     return [scene, surface_of = file.surface_of, state = engine::SurfaceState{}](
-               Lines& lines, const Trajectory::Tick& tick) mutable {
+               std::string& text, const Trajectory::Tick& tick) mutable {
         if (tick.period != scene->spec().contact.period) {
             scene->set_period(tick.period);
         }
         const engine::SurfaceContact c = scene->tick(state, tick.hip);
-        lines.begin();
-        lines.add(tick.t);
-        lines.add(mode_text(c.mode));
-        lines.add(surface_of[c.cp.place.surface]);
-        lines.add(c.cp.u);
-        lines.add(c.cp.v);
-        lines.add_point<3>(c.cp.point);
-        lines.add_point<3>(c.go);
-        lines.add(c.normal_force);
-        lines.add(c.tangential_force);
-        lines.add_point<3>(c.force);
-        add_marks(lines, {.held = c.outside_cone && !c.vertex_slew && c.settled,
-                          .slewed = c.vertex_slew,
-                          .unproven = !c.settled || !c.cp.proven || !c.on_flow});
-        lines.end();
+        add_row(text, tick.t, mode_text(c.mode), surface_of[c.cp.place.surface], c.cp.u, c.cp.v,
+                c.cp.point, c.go, c.normal_force, c.tangential_force, c.force,
+                c.outside_cone && !c.vertex_slew && c.settled, c.vertex_slew,
+                !c.settled || !c.cp.proven || !c.on_flow);
     };
 }
 
@@ -171,8 +239,10 @@ Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {
               "curves in space cannot be felt, only asked for the closest point: give plane curves "
               "or [[surface]] tables");
     const MakePlaneFeel make = scene.by_thesis() ? thesis : plane_feel;
-    return [feel = make(scene, period)](Lines& lines, const Trajectory::Tick& tick) {
-        add_row(lines, tick.t, feel({tick.hip.x, tick.hip.y}, tick.period));
+    return [feel = make(scene, period)](std::string& text, const Trajectory::Tick& tick) {
+        const PlaneTick c = feel({tick.hip.x, tick.hip.y}, tick.period);
+        add_row(text, tick.t, mode_text(c.mode), c.place.segment, c.place.u, c.cp, c.go, c.fn, c.ft,
+                c.force, c.marks.held, c.marks.slewed, c.marks.unproven);
     };
 }
 
@@ -187,34 +257,23 @@ Feel nearest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves) {
         }
     }
     return [tree = std::make_shared<const engine::PieceTree<D>>(std::move(spans)), names](
-               Lines& lines, const Trajectory::Tick& tick) {
+               std::string& text, const Trajectory::Tick& tick) {
         Vec<D> h{};
         for (int k = 0; k < D; ++k) {
             h[k] = tick.hip[k];
         }
         const engine::Foot<D> foot = tree->closest(h);
-        lines.begin();
-        lines.add(names[foot.span].segment);
-        lines.add(names[foot.span].parameter(foot.u));
-        lines.template add_point<D>(foot.point);
-        lines.add(std::sqrt(foot.distance2));
-        lines.end();
+        add_row(text, names[foot.span].segment, names[foot.span].parameter(foot.u), foot.point,
+                std::sqrt(foot.distance2));
     };
 }
 
 Feel nearest_on_surfaces(const SceneFile& scene) {
     return [feet = std::make_shared<const engine::SurfaceFeet>(
                 std::make_shared<const engine::SurfaceObject>(scene.surfaces)),
-            surface_of = scene.surface_of](Lines& lines, const Trajectory::Tick& tick) {
+            surface_of = scene.surface_of](std::string& text, const Trajectory::Tick& tick) {
         const engine::SurfaceClosest cp = feet->closest(tick.hip);
-        lines.begin();
-        lines.add(surface_of[cp.place.surface]);
-        lines.add(cp.u);
-        lines.add(cp.v);
-        lines.add_point<3>(cp.point);
-        lines.add(cp.distance);
-        lines.add(std::size_t{!cp.proven});
-        lines.end();
+        add_row(text, surface_of[cp.place.surface], cp.u, cp.v, cp.point, cp.distance, !cp.proven);
     };
 }
 
@@ -224,16 +283,16 @@ void write_rows(const std::filesystem::path& output,
                 const Trajectory& path,
                 const Feel& feel) {
     constexpr std::size_t kPiece = std::size_t{1} << 16U;  // bytes written at once
-    WholeText whole(output, fmt::format("{}\n", head));
-    Lines lines(head);
+    std::string text = fmt::format("{}\n", head);
+    WholeText whole(output, text);
     for (Trajectory::Rows rows(path); rows.next();) {
-        feel(lines, rows.tick());
-        if (lines.text().size() > kPiece) {
-            whole.add(lines.text());
-            lines.clear();
+        feel(text, rows.tick());
+        if (text.size() > kPiece) {
+            whole.add(text);
+            text.clear();
         }
     }
-    whole.add(lines.text());
+    whole.add(text);
     whole.finish();
 }
 

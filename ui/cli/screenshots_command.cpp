@@ -31,7 +31,7 @@ public:
           const WindowOptions& options)
         : directory_(directory),
           protocol_(protocol),
-          stage_(options, "", {}),
+          stage_({.window = options}),
           pictures_(make_pictures(protocol, plan.picture_order)),
           intervals_(intervals_of(protocol)) {
         const protocols::PendingTrials all(plan);
@@ -67,8 +67,8 @@ private:
 
     void feeling() {
         const bool hold = protocol_.safety.dead_man;
-        ReadyFace ready{
-            .number = number_, .total = trials_, .dead_man = hold, .intervals = intervals_};
+        protocols::TrialView trial{.number = number_, .total = trials_, .intervals = intervals_};
+        ReadyFace ready{.trial = trial, .dead_man = hold};
         take("ready", ready);
         if (protocol_.apparatus.start_radius > 0.0 && !by_pointer_) {  // it is put at the start
             ready.start = StartMark{.away = {0.012, 0.021, 0.008},
@@ -77,12 +77,10 @@ private:
                                     .open = false};
             take("ready_away", ready);
         }
-        take("explore", ExploreFace{.number = number_,
-                                    .total = trials_,
+        trial.interval = intervals_;
+        take("explore", ExploreFace{.trial = trial,
                                     .may_finish = true,
                                     .dead_man = hold,
-                                    .interval = intervals_,
-                                    .intervals = intervals_,
                                     .asks_shape = protocol_.response.kind ==
                                                   protocols::ResponseKind::identification});
     }
@@ -101,8 +99,7 @@ private:
         if (breaks_) {
             take("break", BreakFace{.seconds_left = static_cast<int>(
                                         std::ceil(0.6 * protocol_.timing.break_min)),
-                                    .next = number_ + 1,
-                                    .total = trials_});
+                                    .next = {.number = number_ + 1, .total = trials_}});
         }
     }
 
@@ -140,13 +137,10 @@ struct ScreenshotOptions {
 };
 
 void declare(CommandWords& words, ScreenshotOptions& options) {
-    words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
-    words.add("--protocol", options.protocol, "Whose screens: a protocol file or a shipped one")
-        .with_default();
-    words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680).with_default();
-    words.add("--height", options.height, "Of the pictures, pixels")
-        .within(480, 7680)
-        .with_default();
+    words.add("-o,--output", options.directory, "Folder for the pictures");
+    words.add("--protocol", options.protocol, "Whose screens: a protocol file or a shipped one");
+    words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680);
+    words.add("--height", options.height, "Of the pictures, pixels").within(480, 7680);
     words.add("--font", options.font, "A TrueType font");
     words
         .add("--language", options.language,

@@ -230,8 +230,7 @@ void declare(CommandWords& words, SequenceOptions& options) {
     words.add("--session", options.session, "Session number; without it the last one, or the first")
         .above_zero();
     words.add("--kind", options.kind, "What a session that has not begun will be recorded as")
-        .among({"real", "pilot", "simulated"})
-        .with_default();
+        .among({"real", "pilot", "simulated"});
     words.add("--seed", options.seed, "Study seed instead of the protocol's");
     words.add("--csv", options.csv, "The trials alone, as CSV");
 }

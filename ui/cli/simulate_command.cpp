@@ -60,8 +60,7 @@ void declare(CommandWords& words, SimulateOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required_unless("--example");
     words.add("--participants", options.participants, "Of the study, in all shards together")
-        .within(1, 999'999)
-        .with_default();
+        .within(1, 999'999);
     words.add("--observer", options.observer,
               "Who they are: an observer file, or typical; without it all are alike, as [observer] "
               "of the protocol says");
@@ -80,10 +79,8 @@ void declare(CommandWords& words, SimulateOptions& options) {
         .within(0, 1024)
         .with_default();
     words.add("--seed", options.seed, "Study seed instead of the protocol's");
-    words
-        .add("--secret", options.secret,
-             "What orders, hands and answers are drawn with, 32 hexadecimal digits")
-        .with_default();
+    words.add("--secret", options.secret,
+              "What orders, hands and answers are drawn with, 32 hexadecimal digits");
     declare_keeping(words, options);
 }
 

@@ -228,7 +228,6 @@ Command words_command(std::vector<Command> (*all)()) {
                     .among({"bash", "man", "schema"});
                 words.add("--of", options->kind, "with schema: of this kind of file")
                     .among({protocols::kSchemaKinds.begin(), protocols::kSchemaKinds.end()})
-                    .with_default()
                     .tells(options->of_kind);
             },
             [options, all] {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -45,7 +46,7 @@ struct Word {
     Target target;
     std::string help;
     bool needed = false;
-    bool shows_default = false;
+    bool shows_default = false;          ///< as it does where there is a text, or a number not 0
     bool one_by_one = false;             ///< of a list: the word again for each
     bool positive = false;               ///< a number above 0
     bool not_negative = false;           ///< a number from 0
@@ -81,7 +82,13 @@ struct CommandWords {
     /// @param value  gets what is typed, and is the default; outlives the parse
     template <class T>
     Word& add(std::string name, T& value, std::string help) {
-        return all.emplace_back(Word{std::move(name), &value, std::move(help)});
+        Word& word = all.emplace_back(Word{std::move(name), &value, std::move(help)});
+        if constexpr (std::is_same_v<T, std::string>) {
+            word.shows_default = !value.empty();
+        } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+            word.shows_default = value != T{};
+        }
+        return word;
     }
 };
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -53,13 +52,17 @@ std::int64_t age_of_log(const std::string& database) {
 }
 
 /// Values are rounded to what can be seen: 10 um, 1 mN, 0.1 mm/s.
-double shown(float value, double per_unit) {
-    const double rounded = std::round(double{value} * per_unit) / per_unit;
+double shown(double value, double per_unit) {
+    const double rounded = std::round(value * per_unit) / per_unit;
     return std::isfinite(rounded) ? rounded : 0.0;
 }
 
-Json point(const std::array<float, 2>& at, double per_unit) {
-    return {shown(at[0], per_unit), shown(at[1], per_unit)};
+double seconds_of(const engine::TickRecord& tick, double per_unit) {
+    return shown(static_cast<double>(tick.time_ns) * 1e-9, per_unit);
+}
+
+Json point(const engine::Vec3& at, double per_unit) {
+    return {shown(at.x, per_unit), shown(at.y, per_unit)};
 }
 
 /// What is felt: in the memory only once it was revealed.
@@ -67,19 +70,18 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
     constexpr double kPlace = 1e5;
     constexpr double kForce = 1e3;
     constexpr double kSpeed = 1e4;
-    const LiveTick& newest = ticks.back();
-    const bool free = newest.mode == static_cast<std::uint8_t>(engine::Mode::free);
+    const engine::TickRecord& newest = ticks.back().tick;
     event["hip"] = point(newest.hip, kPlace);
-    event["go"] = free ? Json(nullptr) : point(newest.go, kPlace);
+    event["go"] = newest.mode == engine::Mode::free ? Json(nullptr) : point(newest.go, kPlace);
     event["f"] = point(newest.force, kForce);
     Json& strips = event["strips"];
-    for (const LiveTick& tick : ticks) {
-        strips["t"].push_back(std::round(tick.t_s * 1e4) / 1e4);
-        strips["fn"].push_back(shown(tick.normal, kForce));
-        strips["ft"].push_back(shown(tick.tangential, kForce));
-        strips["speed"].push_back(shown(tick.speed, kSpeed));
-        const auto mode = static_cast<engine::Mode>(tick.mode);
-        strips["mode"].push_back(mode == engine::Mode::transition ? "slip" : to_string(mode));
+    for (const auto& [tick, speed, force_on, felt, unused] : ticks) {
+        strips["t"].push_back(seconds_of(tick, 1e4));
+        strips["fn"].push_back(shown(tick.normal_force, kForce));
+        strips["ft"].push_back(shown(tick.tangential_force, kForce));
+        strips["speed"].push_back(shown(speed, kSpeed));
+        strips["mode"].push_back(tick.mode == engine::Mode::transition ? "slip"
+                                                                       : to_string(tick.mode));
     }
 }
 
@@ -215,9 +217,9 @@ private:
         }
         lived_ns_ = now_ns;
         force_on_ = newest.force_on;
-        Json event{{"t", std::round(newest.t_s * 1e3) / 1e3},
+        Json event{{"t", seconds_of(newest.tick, 1e3)},
                    {"force_on", newest.force_on},
-                   {"late_us", std::round(newest.late_us)}};
+                   {"late_us", std::round(newest.tick.lateness_us)}};
         if (newest.felt && shown_) {
             add_felt(event, ticks);
         }

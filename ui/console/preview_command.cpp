@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <filesystem>
-#include <memory>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
@@ -13,13 +14,19 @@
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "engine/base/shell.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/trial/presentation.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "ui/command/command.hpp"
-#include "ui/console/felt_stimuli.hpp"
 #include "ui/console/page_server.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/open_device.hpp"
+#include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/rig/stop_lines.hpp"
+#include "ui/session/run_rig.hpp"
 
 namespace palpate::ui {
 
@@ -29,6 +36,7 @@ std::string_view preview_page(), preview_style(), preview_script();
 namespace {
 
 namespace fs = std::filesystem;
+using protocols::Presentation;
 
 struct PreviewOptions {
     std::string protocol;
@@ -48,64 +56,140 @@ void declare(CommandWords& words, PreviewOptions& options) {
     words.add("--handle-free", options.handle_free, "As of palpate run").needs("--device");
 }
 
-/// A folder that is gone with it.
-class DrawingFolder {
-public:
-    DrawingFolder() {
-        std::string name = (fs::temp_directory_path() / "palpate-preview-XXXXXX").string();
-        refuse_if<std::runtime_error>(mkdtemp(name.data()) == nullptr,
-                                      "{}: cannot be made; check TMPDIR", name);
-        path_ = name;
-    }
-    DrawingFolder(const DrawingFolder&) = delete;
-    DrawingFolder& operator=(const DrawingFolder&) = delete;
-    ~DrawingFolder() {
-        std::error_code kept;
-        fs::remove_all(path_, kept);
-    }
-    [[nodiscard]] std::string file(std::string_view name) const { return path_ / name; }
-
-private:
-    fs::path path_;
-};
+/// @return its path, which ends with /
+std::string new_folder() {
+    std::string name = (fs::temp_directory_path() / "palpate-preview-XXXXXX").string();
+    refuse_if<std::runtime_error>(mkdtemp(name.data()) == nullptr,
+                                  "{}: cannot be made; check TMPDIR", name);
+    return name + '/';
+}
 
 /// What a command of this program says, both ways, and whether it said that all is right.
 std::pair<std::string, bool> said_by(const std::vector<std::string>& words) {
     std::string line = fmt::format("exec /proc/{}/exe", getpid());
     for (const std::string& word : words) {
-        line += " '";
-        for (const char c : word) {
-            line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        }
-        line += '\'';
+        line += ' ' + shell_word(word);
     }
     auto [said, status] = output_of(line + " 2>&1");
     return {std::move(said), status == 0};
 }
 
-/// A protocol as it was when it was saved last: check, order, screens and objects as the commands
-/// of these names have them.
-class Drawn {
-public:
-    explicit Drawn(std::string protocol) : protocol_(std::move(protocol)) { draw(); }
+/// By its name on the page.
+using FeltStimulus = std::pair<std::string, Presentation>;
 
-    /// Draws it again if it was saved. @return it was
-    bool look() {
-        const bool saved = stamp() != stamp_;
-        if (saved) {
-            draw();
+/// What the rule of a protocol may choose, its ends and what is between them, beside the standard;
+/// without a rule each object with each friction.
+std::vector<FeltStimulus> stimuli_of(const protocols::Protocol& protocol) {
+    std::vector<FeltStimulus> all;
+    for (const protocols::RunSpec& run : protocol.runs) {
+        const protocols::AdaptiveSpec& rule = *protocol.procedure;
+        const auto felt = [&](const std::string& friction) {
+            return Presentation{.object = *std::ranges::find(protocol.objects, rule.object,
+                                                             &protocols::ObjectSpec::name),
+                                .friction = *std::ranges::find(protocol.frictions, friction,
+                                                               &protocols::FrictionSpec::name)};
+        };
+        all.emplace_back(
+            run.name + ", standard",
+            felt(run.standard_friction.empty() ? run.friction : run.standard_friction));
+        for (const double share : {0.0, 0.5, 1.0}) {
+            const double chosen = rule.lowest + share * (rule.highest - rule.lowest);
+            if (std::isfinite(chosen)) {
+                auto& [name, one] = all.emplace_back("", felt(run.friction));
+                name = fmt::format("{}, {} {:.4g}", run.name, protocols::word_of(rule.varies),
+                                   felt_value(rule, chosen));
+                feel_stimulus(rule, chosen, one);
+            }
         }
-        return saved;
     }
-    [[nodiscard]] std::string event() const {
+    for (const auto& object : protocol.objects) {
+        for (const auto& friction : protocol.frictions) {
+            if (!protocol.procedure) {
+                all.emplace_back(fmt::format("{}, friction {}", object.name, friction.name),
+                                 Presentation{.object = object, .friction = friction});
+            }
+        }
+    }
+    return all;
+}
+
+/// A protocol as it was when it was saved last: check, order, screens and objects as the commands
+/// of these names have them. On a device what it lets one feel can be felt, one stimulus at a time,
+/// by the same servo and safety chain as in a pilot, and nothing is kept.
+class Preview {
+public:
+    /// @throws std::invalid_argument for a device that cannot be felt without a window
+    explicit Preview(const PreviewOptions& options)
+        : protocol_(options.protocol), device_(options.device) {
+        if (!device_.empty()) {
+            rig_.device = parse_device(device_);
+            rig_.rig = rig_file_of(rig_.device, options.calibration);
+            rig_.handle_free = options.handle_free;
+            const auto kind = rig_.device.kind;
+            refuse_if(kind == DeviceChoice::Kind::mouse || kind == DeviceChoice::Kind::replay,
+                      "--device {} of a preview: give a device with force, or sim; palpate run has "
+                      "the window of a pointer, and what was recorded",
+                      device_);
+            rig_.key.participant = "preview";
+            rig_.screen.speed = 1.0;
+            rig_.kind = held_by_a_person(kind) ? data::RunKind::pilot : data::RunKind::simulated;
+            check_record(rig_, device_, options.calibration);
+            read_stimuli();
+        }
+        draw();
+    }
+    ~Preview() { remove(folder_); }
+
+    /// Draws it again if it was saved, and lets what was asked for be felt until its end; what goes
+    /// wrong is said on the page, not thrown. On the thread that made it.
+    void look() {
+        if (stamp() != stamp_) {
+            draw();
+            read_stimuli();
+        }
+        feel_asked();
+    }
+
+    /// What was drawn, and what can be felt, as events of the page; of the latter {"device": "sim",
+    /// "stimuli": ["convex, friction off", ...], "on": 3 or null, "said": "..."}. Any thread.
+    [[nodiscard]] std::array<std::string, 2> events() const {
         const std::scoped_lock lock(mutex_);
-        return event_;
+        data::Json names = data::Json::array();
+        for (const FeltStimulus& one : stimuli_) {
+            names.push_back(one.first);
+        }
+        return {drawn_, device_.empty() ? ""
+                                        : event_text("felt", {{"device", device_},
+                                                              {"stimuli", names},
+                                                              {"on", json_or_null(on_)},
+                                                              {"said", said_}})};
     }
+    /// Any thread.
     [[nodiscard]] std::optional<std::string> file(std::string_view path) const {
         const std::scoped_lock lock(mutex_);
-        const std::string file = folder_->file(path.substr(std::min<std::size_t>(1, path.size())));
-        const bool there = path.rfind('/') == 0 && fs::is_regular_file(file);
-        return there ? std::optional(file_text(file)) : std::nullopt;
+        const std::string file = folder_ + std::string(path.substr(path.empty() ? 0 : 1));
+        return path.rfind('/') == 0 && fs::is_regular_file(file) ? std::optional(file_text(file))
+                                                                 : std::nullopt;
+    }
+    /// {"do": "feel", "at": 3} or {"do": "stop"}. Any thread. @return {"ok": ..., "text": ...}
+    /// @param gone  whoever asked: nothing is felt for them
+    [[nodiscard]] std::string ask(const std::string& line, bool gone) {
+        const data::Json asked = object_in(line);
+        const data::Json what = asked.value("do", data::Json());
+        if (what == "stop") {
+            stop_ = true;
+            return answer_of(true, "no force");
+        }
+        const std::scoped_lock lock(mutex_);
+        const data::Json at = asked.value("at", data::Json());
+        const bool known = what == "feel" && at.is_number_unsigned() && at < stimuli_.size();
+        if (!known || gone || on_ || asked_) {
+            return answer_of(false, known ? "one is felt already: stop it first"
+                                          : "there is no such stimulus: nothing was done");
+        }
+        stop_ = false;
+        asked_ = at.get<std::size_t>();
+        return answer_of(true, "it is felt until Stop is pressed");
     }
 
 private:
@@ -114,29 +198,32 @@ private:
         std::error_code gone;
         return {fs::last_write_time(protocol_, gone), fs::file_size(protocol_, gone)};
     }
+    static void remove(const std::string& folder) {
+        std::error_code kept;
+        fs::remove_all(folder, kept);
+    }
 
     void draw() {
         stamp_ = stamp();
-        auto folder = std::make_unique<DrawingFolder>();
-        auto [check, right] =
-            said_by({"check", protocol_, "--long", "--svg", folder->file("objects.svg")});
+        std::string folder = new_folder();
+        const std::string drawing = folder + "objects.svg";
+        auto [check, right] = said_by({"check", protocol_, "--long", "--svg", drawing});
         check.resize(std::min(check.size(), check.rfind("objects drawn in ")));  // in our folder
         const auto [order, ordered] = said_by({"sequence", protocol_, "--participant", "P01"});
         const auto [taken, pictured] = said_by({"screenshots", "--protocol", protocol_, "--width",
-                                                "960", "--height", "600", "-o", folder->file("")});
+                                                "960", "--height", "600", "-o", folder});
         data::Json screens = data::Json::array();
         std::istringstream files(pictured ? taken : "");
         for (std::string file; std::getline(files, file);) {
-            if (file.starts_with(folder->file(""))) {
+            if (file.starts_with(folder)) {
                 screens.push_back(fs::path(file).filename().string());
             }
         }
-        const bool drawn = pictured && fs::exists(folder->file("objects.svg"));
+        const bool drawn = pictured && fs::exists(drawing);
         const std::scoped_lock lock(mutex_);
-        folder_ = std::move(folder);
-        ++version_;
-        event_ = event_text("drawn", {{"protocol", protocol_},
-                                      {"version", version_},
+        remove(std::exchange(folder_, std::move(folder)));
+        drawn_ = event_text("drawn", {{"protocol", protocol_},
+                                      {"version", ++version_},
                                       {"right", right},
                                       {"check", check},
                                       {"order", ordered ? order : ""},
@@ -144,20 +231,121 @@ private:
                                       {"objects", json_or_null(drawn ? "objects.svg" : "")}});
     }
 
+    /// The device is opened anew for them when something is asked for.
+    void read_stimuli() {
+        opened_.reset();
+        std::vector<FeltStimulus> stimuli;
+        try {
+            rig_.study = load_study(protocol_);
+            stimuli = stimuli_of(rig_.study.protocol);
+        } catch (const std::exception&) {  // the page has the problem at its line
+        }
+        const std::scoped_lock lock(mutex_);
+        stimuli_ = std::move(stimuli);
+        asked_.reset();
+        on_.reset();
+        said_.clear();
+    }
+
+    void say_on_page(std::optional<std::size_t> on, std::string text) {
+        const std::scoped_lock lock(mutex_);
+        on_ = on;
+        said_ = std::move(text);
+    }
+
+    void feel_asked() {
+        std::unique_lock lock(mutex_);
+        const auto at = std::exchange(asked_, std::nullopt);
+        if (!at) {
+            return;
+        }
+        const FeltStimulus one = stimuli_.at(*at);
+        on_ = at;
+        said_ = "the device is opened for " + one.first;
+        lock.unlock();
+        try {
+            if (!opened_) {
+                refuse_if(rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind),
+                          "the protocol asks for a dead-man key, which the window of a session "
+                          "has: "
+                          "palpate run with --kind pilot lets one feel it");
+                opened_ = open_and_check(rig_);
+            }
+            feel(one);
+        } catch (const std::exception& e) {
+            opened_.reset();
+            say_on_page(std::nullopt, e.what());
+        }
+    }
+
+    /// What a session's exploration does, without whatever would be kept.
+    void feel(const FeltStimulus& one) {
+        constexpr double kLongest = 30.0;  // s; what nobody ended ends then
+        protocols::Apparatus& port = *opened_->port;
+        const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.second);
+        const StopLines lines("", "preview of " + protocol_ + '\n', {},
+                              {.stop =
+                                   [&](const char*) {
+                                       stop_ = true;
+                                       port.stop();
+                                   },
+                               .types = held_by_a_person(rig_.device.kind)});
+        say_on_page(on_, "felt now: " + one.first);
+        std::array<engine::TickRecord, 256> ticks{};
+        double strongest = 0.0;
+        std::size_t felt = 0;
+        const auto drain = [&] {
+            for (std::size_t n = port.ring().pop(ticks); n > 0; n = port.ring().pop(ticks)) {
+                felt += n;
+                for (const engine::TickRecord& tick : std::span(ticks).first(n)) {
+                    strongest = std::max(strongest, glm::length(tick.command));
+                }
+            }
+        };
+        port.allow();
+        port.hold(true);  // nobody feels a simulated one
+        bool faulted = false;
+        protocols::ForceScope force(port, scene, {}, 1);
+        while (!faulted && !stop_ && !interrupted() && port.elapsed_s() < kLongest &&
+               !port.hand_is_done()) {
+            faulted = port.advance() == engine::ServoStatus::faulted;
+            port.beat();
+            drain();
+        }
+        force.end();
+        drain();
+        const std::string trouble = port.trouble();
+        say_on_page(std::nullopt,
+                    !faulted || stop_
+                        ? fmt::format("{}: {} ticks, {:.2f} N at most; nothing was kept", one.first,
+                                      felt, strongest)
+                    : trouble.empty() ? std::string(explanation(port.trip()))
+                                      : trouble);
+        if (faulted) {
+            opened_.reset();  // whatever it was, it is opened and proved anew
+        }
+    }
+
     std::string protocol_;
-    std::unique_ptr<DrawingFolder> folder_;
+    std::string device_;  ///< as --device has it; empty: nothing is felt
+    RigSpec rig_{};       ///< its study is read anew when the protocol is saved
+    std::optional<OpenedApparatus> opened_;
     Stamp stamp_{};
-    mutable std::mutex mutex_;
-    std::string event_;
     std::uint64_t version_ = 0;
+
+    mutable std::mutex mutex_;
+    std::string folder_;  ///< of what was drawn
+    std::string drawn_, said_;
+    std::vector<FeltStimulus> stimuli_;
+    std::optional<std::size_t> asked_, on_;
+    std::atomic<bool> stop_{false};
 };
 
 /// What a page has not yet been told; at least every 5 s that it is still there.
-/// @param felt  null: nothing is
-EventSource stream_of(const Drawn& drawn, const FeltStimuli* felt) {
-    return [&drawn, felt, said = std::array<std::string, 2>(),
+EventSource stream_of(const Preview& preview) {
+    return [&preview, said = std::array<std::string, 2>(),
             said_ns = monotonic_ns()]() mutable -> std::optional<std::string> {
-        std::array now{drawn.event(), felt == nullptr ? "" : felt->event()};
+        std::array now = preview.events();
         std::string news = (now[0] != said[0] ? now[0] : "") + (now[1] != said[1] ? now[1] : "");
         said = std::move(now);
         if (news.empty() && monotonic_ns() - said_ns > 5'000 * kMillisecond) {
@@ -175,28 +363,20 @@ int run(const PreviewOptions& options) {
         "{}: {}; palpate new makes a protocol of a shipped one", options.protocol,
         fs::exists(options.protocol, unknown) ? "it is no plain file" : "there is no such file");
     catch_signals();
-    std::optional<FeltStimuli> felt;
-    if (!options.device.empty()) {
-        RigSpec rig;
-        rig.device = parse_device(options.device);
-        rig.rig = rig_file_of(rig.device, options.calibration);
-        rig.handle_free = options.handle_free;
-        felt.emplace(options.protocol, std::move(rig), options.device, options.calibration);
-    }
-    Drawn drawn(options.protocol);
+    Preview preview(options);
     PageServerSpec spec;
-    spec.file = [&drawn](std::string_view path) {
+    spec.file = [&preview](std::string_view path) {
         return path == "/"            ? std::string(preview_page())
              : path == "/preview.css" ? std::string(preview_style())
              : path == "/preview.js"  ? std::string(preview_script())
-                                      : drawn.file(path);
+                                      : preview.file(path);
     };
-    spec.open = [&drawn, &felt](bool /*shown*/, bool /*still*/) {
-        return stream_of(drawn, felt ? &*felt : nullptr);
+    spec.open = [&preview](bool /*shown*/, bool /*still*/) {
+        return stream_of(preview);
     };
-    if (felt) {
-        spec.act = [&felt](const std::string& line, bool gone) {
-            return felt->ask(line, gone);
+    if (!options.device.empty()) {
+        spec.act = [&preview](const std::string& line, bool gone) {
+            return preview.ask(line, gone);
         };
     }
     const PageServer server(std::move(spec));
@@ -204,13 +384,7 @@ int run(const PreviewOptions& options) {
         options.protocol, server.address());
     while (!interrupted()) {
         sleep_until(monotonic_ns() + 300 * kMillisecond);
-        const bool saved = drawn.look();
-        if (felt && saved) {
-            felt->read_again();
-        }
-        if (felt) {
-            felt->feel_asked();
-        }
+        preview.look();
     }
     return 0;
 }

@@ -1,5 +1,3 @@
-#include "ui/doctor/wake_up.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -16,6 +14,7 @@
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
+#include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
 namespace {

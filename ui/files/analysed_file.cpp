@@ -10,9 +10,7 @@
 namespace palpate::ui {
 
 Word& add_kind(CommandWords& words, std::string& kind, std::string help) {
-    return words.add("--kind", kind, std::move(help))
-        .among({"real", "pilot", "simulated"})
-        .with_default();
+    return words.add("--kind", kind, std::move(help)).among({"real", "pilot", "simulated"});
 }
 
 Word& add_versions(CommandWords& words, std::string& versions) {
@@ -20,8 +18,7 @@ Word& add_versions(CommandWords& words, std::string& versions) {
         .add("--versions", versions,
              "Versions of a protocol in one file: apart, each a study of its own by its id and "
              "hash, or together, as one")
-        .among({"apart", "together"})
-        .with_default();
+        .among({"apart", "together"});
 }
 
 void add_answer_words(CommandWords& words, AnswerWords& answers) {

@@ -19,16 +19,13 @@ void declare(CommandWords& words, AuditWords& options) {
     add_kind(words, options.kind, "Which sessions: real, pilot or simulated");
     words.add("--study", options.study, "Of a file with several studies, which");
     words.add("--place-mm", options.place_mm, "Start poses that are so near are the same, mm")
-        .within(1e-6, 100.0)
-        .with_default();
+        .within(1e-6, 100.0);
     words
         .add("--ratio", options.ratio,
              "Times, strokes, forces and speeds within this ratio are the same")
-        .within(1.000001, 10.0)
-        .with_default();
+        .within(1.000001, 10.0);
     words.add("--share", options.share, "Shares of ticks or trials that are so near are the same")
-        .within(1e-9, 1.0)
-        .with_default();
+        .within(1e-9, 1.0);
     add_versions(words, options.versions);
 }
 

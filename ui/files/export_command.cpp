@@ -23,12 +23,10 @@ void declare(CommandWords& words, ExportWords& options) {
         .add("--format,--as", options.format,
              "csv, bids, psych-ds, parquet; procedure: runs of a rule for palpate procedure; "
              "quickpsy, psignifit: counts at each stimulus; psychopy: as its wide CSV")
-        .among({data::kExportWords.begin(), data::kExportWords.end()})
-        .with_default();
+        .among({data::kExportWords.begin(), data::kExportWords.end()});
     words.add("-o,--output", options.directory, "A new folder").required();
     words.add("--kind", options.what.kind, "Which sessions: real, pilot, simulated or all")
-        .among({"real", "pilot", "simulated", "all"})
-        .with_default();
+        .among({"real", "pilot", "simulated", "all"});
     words.add("--json", options.json,
               "For programs, to standard output: what is in the folder, and who is not");
     words.add("--with-details", options.what.details,
@@ -78,12 +76,37 @@ int run(const ExportWords& options) {
     return 0;
 }
 
+struct AnalysisWords {
+    std::string action;
+    std::string folder;
+};
+
+void declare_analysis(CommandWords& words, AnalysisWords& options) {
+    words.add("ACTION", options.action, "init: analysis.R and analysis.py to begin with")
+        .required()
+        .among({"init"});
+    words.add("FOLDER", options.folder, "A folder of palpate export --format csv").required();
+}
+
+int begin_analysis(const AnalysisWords& words) {
+    for (const auto& file : data::write_starters(words.folder)) {
+        say("{}\n", file.string());
+    }
+    return 0;
+}
+
 }  // namespace
 
 Command export_command() {
     return make_command<ExportWords>(
         "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified", declare,
         run);
+}
+
+Command analysis_command() {
+    return make_command<AnalysisWords>(
+        "analysis", "Scripts of R and Python that load an export, to begin an analysis with",
+        declare_analysis, begin_analysis);
 }
 
 }  // namespace palpate::ui

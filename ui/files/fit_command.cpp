@@ -115,7 +115,6 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
 void declare_study(CommandWords& words, FitWords& options) {
     words.add("--bootstrap", options.bootstrap, "Samples of the bootstrap; 0: none")
         .within(0, 1000000)
-        .with_default()
         .tells(options.of_curves);
     words.add("--seed", options.seed, "Of the bootstrap; 1 without it").tells(options.of_curves);
     words.add("--json", options.json, "For programs, to standard output");
@@ -143,7 +142,6 @@ void declare(CommandWords& words, FitWords& options) {
              "normal, logistic, weibull, gumbel, or a Weibull of a logarithmic stimulus: "
              "weibull_log10, weibull_db")
         .among({protocols::kFamilyWords.begin(), protocols::kFamilyWords.end()})
-        .with_default()
         .tells(options.of_curves);
     words
         .add("--guess", options.guess,
@@ -151,11 +149,9 @@ void declare(CommandWords& words, FitWords& options) {
              "free, one for all conditions of a person, or lapse: as the lapse rate. Without it "
              "0; for a database lapse")
         .tells(options.of_curves);
-    words
-        .add("--lapse", options.lapse,
-             "Share of answers that are lapses: a number, free, or shared: free, one for all "
-             "conditions of a person")
-        .with_default();
+    words.add("--lapse", options.lapse,
+              "Share of answers that are lapses: a number, free, or shared: free, one for all "
+              "conditions of a person");
     words
         .add("--prior", options.priors,
              "What is believed before (MAP): threshold=MEAN,SD (weibull: MEDIAN,SD of ln), "

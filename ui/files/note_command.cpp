@@ -28,12 +28,34 @@ struct NoteOptions {
     std::string operator_name{};  ///< empty: nobody is named
 };
 
-struct MarkOptions {
+/// What is said of a trial or a session afterwards, and can be taken back.
+struct SaidOptions {
     std::string database;
-    std::int64_t trial = 0;
-    std::string reason;           ///< empty: the mark is taken back
+    std::string reason;           ///< empty: it is taken back
     std::string undo;             ///< why
     std::string operator_name{};  ///< empty: nobody is named
+
+    /// @param word  that takes the reason: "--invalid"
+    /// @param what  can be taken back: "a mark"
+    /// @throws std::invalid_argument unless there is one of both, which says something
+    void require_reason(std::string_view word, std::string_view what) const {
+        refuse_if(reason.empty() == undo.empty(),
+                  "give {} REASON, or --undo REASON to take {} back", word, what);
+        require_text(undoes() ? undo : reason,
+                     fmt::format("the reason of {}", undoes() ? "--undo" : word));
+    }
+    [[nodiscard]] bool undoes() const { return !undo.empty(); }
+    [[nodiscard]] data::Reason why() const { return {undoes() ? undo : reason, operator_name}; }
+};
+
+struct MarkOptions : SaidOptions {
+    std::int64_t trial = 0;
+};
+
+struct SessionOptions : SaidOptions {
+    std::string participant;
+    std::int64_t number = 0;
+    std::string study;  ///< empty: the only one with such a session
 };
 
 /// The session meant: the last one begun, of the only study in question.
@@ -107,16 +129,11 @@ void declare_mark(CommandWords& words, MarkOptions& options) {
 }
 
 int mark(const MarkOptions& options) {
-    refuse_if(options.reason.empty() == options.undo.empty(),
-              "give --invalid REASON, or --undo REASON to take a mark back");
-    const bool undo = !options.undo.empty();
-    require_text(undo ? options.undo : options.reason,
-                 undo ? "the reason of --undo" : "the reason of --invalid");
+    options.require_reason("--invalid", "a mark");
     data::Database database = open_there(options.database);
-    const data::MarkResult marked =
-        undo ? data::undo_mark(database, options.trial, {options.undo, options.operator_name})
-             : data::mark_invalid(database, options.trial, {options.reason, options.operator_name});
-    if (undo) {
+    const data::MarkResult marked = (options.undoes() ? data::undo_mark : data::mark_invalid)(
+        database, options.trial, options.why());
+    if (options.undoes()) {
         say("Trial {} counts again; that it was marked is kept.\n", options.trial);
     } else {
         say("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
@@ -124,6 +141,44 @@ int mark(const MarkOptions& options) {
                             : "It is run again when its session is resumed.");
     }
     say("Seal {}: note it in the lab book.\n", marked.head);
+    return 0;
+}
+
+void declare_session(CommandWords& words, SessionOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("ID", options.participant, "Whose session").required();
+    words.add("NUMBER", options.number, "Its number, as in session_health")
+        .required()
+        .within(1, 1'000'000);
+    words.add("--study", options.study,
+              "The study's id, if there are several; of versions ID@HASH");
+    words.add("--withdraw", options.reason, "Why analyses and exports are to leave it out")
+        .kept_text();
+    words.add("--undo", options.undo, "Why that is taken back").kept_text();
+    words.add("--operator", options.operator_name, "Who says so").kept_text();
+}
+
+data::SessionRow session_of(data::Database& database, const SessionOptions& options) {
+    auto all = data::sessions_of(database, options.participant,
+                                 static_cast<std::size_t>(options.number), options.study);
+    refuse_if(
+        all.size() != 1, "{}: {} has {} session {}: {}", options.database, options.participant,
+        all.empty() ? "no" : fmt::format("{} times a", all.size()), options.number,
+        all.empty()
+            ? "palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
+            : fmt::format("give --study and {} or {}", all.front().version, all.back().version));
+    return all.front();
+}
+
+int withdraw(const SessionOptions& options) {
+    options.require_reason("--withdraw", "a withdrawal");
+    data::Database database = open_there(options.database);
+    const data::SessionRow session = session_of(database, options);
+    const std::string head = (options.undoes() ? data::undo_withdrawal : data::withdraw_session)(
+        database, session.id, options.why());
+    say("Session {} of {}, study {}, {}. Nothing is erased.\nSeal {}: note it in the lab book.\n",
+        session.number, options.participant, plain(session.study),
+        options.undoes() ? "is analysed again" : "is left out of analyses and exports", head);
     return 0;
 }
 
@@ -138,6 +193,12 @@ Command mark_command() {
     return make_command<MarkOptions>(
         "mark", "Say that the answer of a trial does not count, or take that back; both are kept",
         declare_mark, mark);
+}
+
+Command session_command() {
+    return make_command<SessionOptions>(
+        "session", "Leave a session out of analyses and exports, or take that back",
+        declare_session, withdraw);
 }
 
 }  // namespace palpate::ui

@@ -25,14 +25,12 @@ void declare_samples(CommandWords& words, ReportWords& options) {
         .add("--simulations", options.simulations,
              "Of the mixed model without an effect, for its p, as of palpate stats; 0: none")
         .within(0, 1000000)
-        .with_default()
         .excludes("--trial");
     words
         .add(
             "--bootstrap", options.bootstrap,
             "Samples for intervals and bands of psychometric functions, as of palpate fit; 0: none")
         .within(0, 1000000)
-        .with_default()
         .excludes("--trial");
     add_versions(words, options.versions);
 }

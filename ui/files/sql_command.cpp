@@ -91,11 +91,9 @@ void declare(CommandWords& words, SqlOptions& options) {
              "together; without the word as it is stored")
         .among({"apart", "together"});
     words.add("--attach", options.attach, "Let ATTACH read other databases too");
-    words
-        .add("--steps", options.steps,
-             "Steps of SQLite, and us of the processor, after which a statement is ended; a "
-             "million rows need some ten million")
-        .with_default();
+    words.add("--steps", options.steps,
+              "Steps of SQLite, and us of the processor, after which a statement is ended; a "
+              "million rows need some ten million");
 }
 
 int run(const SqlOptions& options) {

@@ -31,21 +31,17 @@ void declare_numbers(CommandWords& words, StatsWords& options) {
     words
         .add("--permutations", options.permutations,
              "Of each person's answers, for the bits that a guesser shows; 0: none")
-        .within(0, 1000000)
-        .with_default();
+        .within(0, 1000000);
     words
         .add("--simulations", options.simulations,
              "Of the mixed model without an effect, for its p; 0: none")
-        .within(0, 1000000)
-        .with_default();
+        .within(0, 1000000);
     words.add("--nodes", options.nodes, "Of the adaptive Gauss-Hermite quadrature, a side")
-        .within(1, 40)
-        .with_default();
+        .within(1, 40);
     words
         .add("--prior-scale", options.prior_scale,
              "r of the Bayes factor's Cauchy prior of the standardised effect")
-        .within(0.01, 100.0)
-        .with_default();
+        .within(0.01, 100.0);
     words.add("--seed", options.seed, "Of permutations and simulations; 1 without it");
     add_answer_words(words, options);
 }

@@ -47,60 +47,31 @@ Json rows_of(const data::LevelOrders& orders) {
     return {{"used", people.size()}, {"max_people", most}};
 }
 
-Json sessions_of(data::Database& database, const std::string& study) {
-    data::Statement row = database.prepare(
-        "SELECT participant_code, session_number, session_kind, answered - invalid_answers, "
-        "planned, finished, withdrawn_reason IS NOT NULL, (SELECT study_name || '@' || "
-        "substr(protocol_sha256, 1, 8) FROM study JOIN session USING (study_id) WHERE session_id = "
-        "session_health.session_id), (SELECT consent IS 0 FROM participant WHERE participant_code "
-        "= session_health.participant_code) FROM session_health WHERE study_name = ?1 ORDER BY "
-        "session_id",
-        study);
-    Json all = Json::array();
-    while (row.step()) {
-        all.push_back({{"participant", row.text(0)},
-                       {"number", row.integer(1)},
-                       {"kind", row.text(2)},
-                       {"answered", row.integer(3)},
-                       {"planned", row.integer(4)},
-                       {"finished", row.integer(5) != 0},
-                       {"withdrawn", row.integer(6) != 0},
-                       {"refused", row.integer(8) != 0},
-                       {"version", row.text(7)}});
-    }
-    return all;
+/// One JSON text that the file itself makes of its rows.
+Json made_of(data::Database& database, const char* sql, const std::string& study) {
+    return Json::parse(database.first(sql, study).text(0));
 }
+
+constexpr const char* kSessions =
+    "SELECT json_group_array(json_object('participant', participant_code, 'number', "
+    "session_number, 'kind', session_kind, 'answered', answered - invalid_answers, 'planned', "
+    "planned, 'finished', json(iif(finished, 'true', 'false')), 'withdrawn', "
+    "json(iif(withdrawn_reason IS NOT NULL, 'true', 'false')), 'refused', json(iif((SELECT consent "
+    "IS 0 FROM participant WHERE participant_code = health.participant_code), 'true', 'false')), "
+    "'version', (SELECT study_name || '@' || substr(protocol_sha256, 1, 8) FROM study JOIN session "
+    "USING (study_id) WHERE session_id = health.session_id))) FROM (SELECT * FROM session_health "
+    "WHERE study_name = ?1 ORDER BY session_id) AS health";
 
 /// Who really ran, and of these whose consent nobody noted; withdrawn sessions and who does not
 /// consent left out, and the latter named.
-Json people_of(data::Database& database, const std::string& study) {
-    data::Statement row = database.prepare(
-        "SELECT participant_code, consent, max(finished) FROM session JOIN study USING (study_id) "
-        "JOIN participant USING (participant_id) WHERE study_name = ?1 AND session_kind = 'real' "
-        "AND withdrawn_reason IS NULL GROUP BY participant_id ORDER BY min(session_id)",
-        study);
-    std::size_t ran = 0;
-    Json unfinished = Json::array();
-    Json missing = Json::array();
-    Json refused = Json::array();
-    while (row.step()) {
-        if (!row.null(1) && row.integer(1) == 0) {
-            refused.push_back(row.text(0));
-            continue;
-        }
-        ++ran;
-        if (row.integer(2) == 0) {
-            unfinished.push_back(row.text(0));
-        }
-        if (row.null(1)) {
-            missing.push_back(row.text(0));
-        }
-    }
-    return {{"ran", ran},
-            {"unfinished", unfinished},
-            {"consent_missing", missing},
-            {"refused", refused}};
-}
+constexpr const char* kPeople =
+    "SELECT json_object('ran', count(*) FILTER (WHERE consent IS NOT 0), 'unfinished', "
+    "json(json_group_array(code) FILTER (WHERE consent IS NOT 0 AND done = 0)), 'consent_missing', "
+    "json(json_group_array(code) FILTER (WHERE consent IS NULL)), 'refused', "
+    "json(json_group_array(code) FILTER (WHERE consent IS 0))) FROM (SELECT participant_code AS "
+    "code, consent, max(finished) AS done FROM session JOIN study USING (study_id) JOIN "
+    "participant USING (participant_id) WHERE study_name = ?1 AND session_kind = 'real' AND "
+    "withdrawn_reason IS NULL GROUP BY participant_id ORDER BY min(session_id))";
 
 Json studies_of(data::Database& database) {
     data::Statement row = database.prepare(
@@ -110,7 +81,7 @@ Json studies_of(data::Database& database) {
     while (row.step()) {
         const std::string study = row.text(0);
         const std::size_t planned = protocols::stored_protocol(row.text(2)).participants;
-        Json people = people_of(database, study);
+        Json people = made_of(database, kPeople, study);
         const std::size_t ran = people["ran"];
         all.push_back(
             {{"protocol", study},
@@ -121,7 +92,7 @@ Json studies_of(data::Database& database) {
              {"picture_orders", rows_of(orders_of(database, data::Balanced::pictures, study, {}))},
              {"friction_orders",
               rows_of(orders_of(database, data::Balanced::frictions, study, {}))},
-             {"sessions", sessions_of(database, study)}});
+             {"sessions", made_of(database, kSessions, study)}});
     }
     return all;
 }

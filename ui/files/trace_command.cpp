@@ -22,8 +22,7 @@ void declare(CommandWords& words, TraceOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TRIAL", options.trial, "The id of the trial").required();
     words.add("--interval", options.interval, "Of a trial with two things to feel, which one")
-        .within(1, 2)
-        .with_default();
+        .within(1, 2);
 }
 
 /// @return why it is in no analysis; empty: it counts, or has no answer

@@ -162,23 +162,13 @@ void LiveBoard::feel(std::span<const engine::TickRecord> ticks) noexcept {
 }
 
 void LiveBoard::show(const engine::TickRecord& tick) noexcept {
-    const auto plane = [](const engine::Vec3& at) {
-        return std::array{static_cast<float>(at.x), static_cast<float>(at.y)};
-    };
-    LiveTick shown{.t_s = static_cast<double>(tick.time_ns) * 1e-9,
-                   .late_us = tick.lateness_us,
+    LiveTick shown{.tick = {.time_ns = tick.time_ns, .lateness_us = tick.lateness_us},
                    .force_on = facts_.gives_force && (tick.flags & engine::tick_fault) == 0};
     if (revealed_) {
         const double seconds = static_cast<double>(tick.time_ns - last_.time_ns) * 1e-9;
-        shown.hip = plane(tick.hip);
-        shown.go = plane(tick.go);
-        shown.force = plane(tick.force);
-        shown.normal = static_cast<float>(tick.normal_force);
-        shown.tangential = static_cast<float>(tick.tangential_force);
-        shown.speed =
-            seconds > 0.0 ? static_cast<float>(glm::length(tick.hip - last_.hip) / seconds) : 0.0F;
+        shown.tick = tick;
+        shown.speed = seconds > 0.0 ? glm::length(tick.hip - last_.hip) / seconds : 0.0;
         shown.felt = true;
-        shown.mode = static_cast<std::uint8_t>(tick.mode);
     }
     last_ = tick;
     writer_.show(shown);
@@ -279,27 +269,29 @@ bool LiveBoard::forget_half() {
 }
 
 std::string LiveBoard::text() const {
+    const bool on = phase_ == SessionStep::explore && facts_.gives_force && !desk_.wants_stop();
     data::Json state = all_->session;
-    state.update({{"phase", kPhases.at(static_cast<std::size_t>(phase_)).first},
-                  {"sentence", sentence()},
-                  {"trial", trial_.number},
-                  {"trials", trial_.total},
-                  {"practice", trial_.practice},
-                  {"remaining", facts_.left},
-                  {"remaining_min", json_or_null(minutes_)},
-                  {"next_break_in", json_or_null(next_break())},
-                  {"answered", facts_.answered},
-                  {"alarm", alarm_},
-                  {"pausing", wishes_[0]},
-                  {"markable", markable_ ? data::Json{{"trial_id", markable_->id},
-                                                      {"name", number_text(markable_->number)}}
-                                         : data::Json(nullptr)},
-                  {"solved", phase_ == SessionStep::trouble && trouble_.solved},
-                  {"force", {{"on", json_or_null(force_on())}, {"why", why()}}},
-                  {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
-                             : revealed_                                  ? "shown"
-                                                                          : "ask"},
-                  {"ended", json_or_null(ended_)}});
+    state.update(
+        {{"phase", kPhases.at(static_cast<std::size_t>(phase_)).first},
+         {"sentence", sentence()},
+         {"trial", trial_.number},
+         {"trials", trial_.total},
+         {"practice", trial_.practice},
+         {"remaining", facts_.left},
+         {"remaining_min", json_or_null(minutes_)},
+         {"next_break_in", json_or_null(next_break())},
+         {"answered", facts_.answered},
+         {"alarm", alarm_},
+         {"pausing", wishes_[0]},
+         {"markable", markable_ ? data::Json{{"trial_id", markable_->id},
+                                             {"name", number_text(markable_->number)}}
+                                : data::Json(nullptr)},
+         {"solved", phase_ == SessionStep::trouble && trouble_.solved},
+         {"force", {{"on", wishes_[2] ? data::Json(nullptr) : data::Json(on)}, {"why", why()}}},
+         {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
+                    : revealed_                                  ? "shown"
+                                                                 : "ask"},
+         {"ended", json_or_null(ended_)}});
     add_device(state);
     state.update(
         {{"not_counting", all_->not_counting}, {"faults", all_->faults}, {"notes", all_->notes}});
@@ -352,12 +344,6 @@ std::string LiveBoard::sentence() const {
          : begun.ends_with(' ')
              ? fmt::format("{}{}{}", begun, number_text(trial_), second ? ", second interval" : "")
              : std::string(begun);
-}
-
-std::optional<bool> LiveBoard::force_on() const {
-    return wishes_[2] ? std::nullopt
-                      : std::optional(phase_ == SessionStep::explore && facts_.gives_force &&
-                                      !desk_.wants_stop());
 }
 
 std::string LiveBoard::why() const {

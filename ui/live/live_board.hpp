@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
@@ -75,8 +74,13 @@ public:
         protocols::TrialNumber number{};
     };
     [[nodiscard]] const std::optional<Markable>& markable() const noexcept { return markable_; }
-    /// trial() was begun.
-    void began(protocols::TrialId trial) noexcept { markable_ = {.id = trial, .number = trial_}; }
+    /// trial() was begun, and is over.
+    void began(protocols::TrialId trial) noexcept {
+        markable_ = {.id = trial, .number = trial_};
+        running_ = trial;
+    }
+    void over() noexcept { running_.reset(); }
+    [[nodiscard]] std::optional<protocols::TrialId> running() const noexcept { return running_; }
     /// The rig was proved again, or was refused.
     void checked(const std::string& found) noexcept;
     void reveal() noexcept;
@@ -97,8 +101,6 @@ private:
     void add_device(data::Json& state) const;
     void add_hidden(data::Json& state) const;
     [[nodiscard]] std::string sentence() const;
-    /// None: nothing proves that it is off.
-    [[nodiscard]] std::optional<bool> force_on() const;
     [[nodiscard]] std::string why() const;
     [[nodiscard]] std::optional<std::size_t> next_break() const;
     [[nodiscard]] std::array<bool, 3> wishes() const noexcept {
@@ -122,6 +124,7 @@ private:
     protocols::TrialNumber trial_{};
     std::size_t interval_ = 1;
     std::optional<Markable> markable_{};
+    std::optional<protocols::TrialId> running_{};
     protocols::TroubleView trouble_{};
     std::optional<double> minutes_{};
     bool alarm_ = false;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/realtime/tick_record.hpp"
 #include "ui/rig/control_line.hpp"
 
 /// What a running session shows to other programs: shared memory with one writer, that neither
@@ -16,23 +17,16 @@
 /// socket gets it from there, can only read it, and nothing of it is left when the session ends.
 namespace palpate::ui {
 
-/// A tick as it is shown: m, N, m/s. Until what is felt is revealed all of it but the time, the
-/// lateness and whether there may be force is 0.
+/// A tick as it is shown. Until what is felt is revealed all of it but the time, the lateness and
+/// whether there may be force is 0.
 struct LiveTick {
-    double t_s = 0.0;  ///< since the interval's first tick
-    std::array<float, 2> hip{};
-    std::array<float, 2> go{};
-    std::array<float, 2> force{};
-    float normal = 0.0F;
-    float tangential = 0.0F;
-    float speed = 0.0F;
-    float late_us = 0.0F;
-    std::uint8_t mode = 0;  ///< engine::Mode
+    engine::TickRecord tick{};
+    double speed = 0.0;  ///< m/s, of HIP since the one that was shown before
     bool force_on = false;
     bool felt = false;  ///< what is felt is in here
-    std::array<std::uint8_t, 5> unused{};
+    std::array<std::uint8_t, 6> unused{};
 };
-static_assert(sizeof(LiveTick) == 56);
+static_assert(sizeof(LiveTick) == sizeof(engine::TickRecord) + 16);
 
 struct LiveMemory;
 struct Unmap {

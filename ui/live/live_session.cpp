@@ -46,13 +46,8 @@ void LiveSession::begin(LiveFacts facts,
                         const protocols::Protocol& protocol,
                         const protocols::Plan& plan,
                         data::AsyncRecorder& recorder) {
-    operator_ = facts.operator_name;
-    never_reveals_ = protocol.reveal == protocols::Reveal::never;
     recorder_ = &recorder;
     board_ = std::make_unique<LiveBoard>(std::move(facts), protocol, plan, desk_);
-    head_ = one_line(
-        {{"ok", true}, {"text", "what runs"}, {"file", board_->facts().file}, {"pid", getpid()}});
-    head_.pop_back();
     try {
         reader_ = std::make_unique<LiveReader>(board_->descriptor());
     } catch (const std::runtime_error&) {  // the session runs, and shows nothing
@@ -98,7 +93,7 @@ void LiveSession::end_early(const std::string& word, const Caller& caller) {
 }
 
 bool LiveSession::may_reveal(const std::string& word, const Caller& caller) {
-    if (never_reveals_) {
+    if (board_->protocol().reveal == protocols::Reveal::never) {
         caller.answer(false, "the protocol says reveal = \"never\": nothing is shown");
         return false;
     }
@@ -114,7 +109,10 @@ bool LiveSession::may_reveal(const std::string& word, const Caller& caller) {
 void LiveSession::answer_state(const Caller& caller) const {
     const auto state = reader_->state();
     const std::string json = state && !state->json.empty() ? state->json : "null";
-    caller.answer_line(head_ + ",\"state\":" + json + "}", board_->descriptor());
+    std::string answer = one_line(
+        {{"ok", true}, {"text", "what runs"}, {"file", board_->facts().file}, {"pid", getpid()}});
+    answer.pop_back();  // the state is JSON already
+    caller.answer_line(answer + ",\"state\":" + json + "}", board_->descriptor());
 }
 
 /// Held for as long as the session runs: between two servers of its page nobody else can listen
@@ -219,8 +217,9 @@ void LiveSession::obey_all() {
 
 /// The answer comes once it is on the disk.
 void LiveSession::note(const Asked& asked) {
-    board_->noted(asked.text, trial_ ? std::optional(board_->trial()) : std::nullopt);
-    recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial_},
+    const auto trial = board_->running();
+    board_->noted(asked.text, trial ? std::optional(board_->trial()) : std::nullopt);
+    recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial},
                           [caller = asked.caller] { caller->answer(true, "noted"); });
 }
 
@@ -237,7 +236,7 @@ void LiveSession::reveal(const Asked& asked) {
     }
     recorder_->event_soon({.kind = protocols::EventKind::reveal,
                            .text = "what is felt and answered is shown to the experimenter",
-                           .value = operator_},
+                           .value = board_->facts().operator_name},
                           [this, caller = asked.caller] {
                               revealed_ = true;
                               caller->answer(true, "shown from now on");

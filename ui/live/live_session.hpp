@@ -12,9 +12,11 @@
 
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
+#include "protocols/trial/observer_beside.hpp"
 #include "data/store/async_recorder.hpp"
 #include "ui/live/live_board.hpp"
 #include "ui/rig/control_line.hpp"
+#include "ui/rig/interrupt.hpp"
 
 namespace palpate::ui {
 
@@ -45,13 +47,6 @@ public:
     }
     /// @param look  called by pump() while nothing is felt and no answer is timed
     void beside(std::function<void()> look) { beside_ = std::move(look); }
-    /// The running trial, for notes; none between trials.
-    void in_trial(std::optional<protocols::TrialId> trial) noexcept {
-        trial_ = trial;
-        if (trial) {
-            board_->began(*trial);
-        }
-    }
     void marked(const protocols::MarkReply& reply, bool alarm);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
@@ -94,9 +89,6 @@ private:
     data::AsyncRecorder* recorder_ = nullptr;
     std::unique_ptr<LiveBoard> board_;
     std::unique_ptr<LiveReader> reader_;  ///< of the board, for the socket's thread
-    std::string head_;                    ///< of every answer to "state", a JSON object unended
-    std::string operator_;
-    bool never_reveals_ = false;
 
     std::mutex mutex_;
     std::deque<Asked> inbox_;
@@ -109,9 +101,56 @@ private:
     Word reveal_{};
 
     std::function<void()> beside_;
-    std::optional<protocols::TrialId> trial_{};
     bool reveal_wanted_ = false;
     std::optional<protocols::MarkReply> reply_{};
+};
+
+/// Whoever answers, with each step shown to those who look on. Where nobody sits at a screen, a
+/// pause lasts until the experimenter goes on all the same.
+class LiveObserver : public protocols::ObserverBeside {
+    using Signal = protocols::Signal;
+
+public:
+    /// All outlive this one.
+    LiveObserver(protocols::Observer& observer, LiveSession& live)
+        : ObserverBeside(observer), live_(live) {}
+
+    void feel(std::span<const engine::TickRecord> ticks) override {
+        live_.board().feel(ticks);
+        ObserverBeside::feel(ticks);
+    }
+    [[nodiscard]] Signal pause(const protocols::TrialView& next) override {
+        enter(protocols::SessionStep::pause, &next);
+        const bool waits = !live_.board().facts().screen;
+        while (waits && !live_.desk().wants_stop() && !live_.desk().take_pause()) {
+            if (interrupted()) {
+                return Signal::abort;
+            }
+            protocols::sleep_for(0.02);
+            live_.pump();
+        }
+        return ObserverBeside::pause(next);
+    }
+    [[nodiscard]] std::optional<Signal> trouble(const protocols::TroubleView& view) override {
+        live_.board().enter(view);
+        return ObserverBeside::trouble(view);
+    }
+
+protected:
+    /// Shown, and what was asked for meanwhile done.
+    void enter(protocols::SessionStep step, const protocols::TrialView* trial) override {
+        if (step == protocols::SessionStep::ended) {
+            live_.end("finished");
+            return;
+        }
+        if (step != protocols::SessionStep::trouble) {
+            live_.board().enter(step, trial);
+        }
+        live_.pump();
+    }
+
+private:
+    LiveSession& live_;
 };
 
 }  // namespace palpate::ui

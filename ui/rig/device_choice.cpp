@@ -1,5 +1,6 @@
 #include "ui/rig/device_choice.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <sstream>
@@ -29,19 +30,30 @@ std::optional<std::string> after(std::string_view text, std::string_view word) {
     return std::string(text.substr(word.size() + 1));
 }
 
+using Asked = protocols::DeviceClass;
+
 /// What --device may name, in the order in which they are listed.
 struct DeviceWord {
     std::string_view name;
     Kind kind;
-    std::string_view takes;  ///< what stands behind its colon; empty: it has none
+    std::string_view takes;   ///< what stands behind its colon; empty: it has none
+    std::string_view called;  ///< by its machine, and what stands there
+    bool held = false;        ///< a person can hold it
+    bool gives_force = true;
+    Asked asked = Asked::any;  ///< a protocol asks for it so
 };
-constexpr std::array<DeviceWord, 7> kDevices{{{"sim", Kind::simulated, ""},
-                                              {"mouse", Kind::mouse, ""},
-                                              {"haply", Kind::haply, "PORT"},
-                                              {"haply-emulator", Kind::haply_emulator, ""},
-                                              {"board", Kind::board, "PORT"},
-                                              {"comedi", Kind::comedi, "FILE"},
-                                              {"replay", Kind::replay, "FILE"}}};
+constexpr std::array<DeviceWord, 7> kDevices{
+    {{"sim", Kind::simulated, "", "simulated pantograph"},
+     {"mouse", Kind::mouse, "", "mouse", true, false, Asked::mouse},
+     {"haply", Kind::haply, "PORT", "Haply {0} at {1}", true, true, Asked::haply},
+     {"haply-emulator", Kind::haply_emulator, "", "emulated Haply {0}"},
+     {"board", Kind::board, "PORT", "open board {0} at {1}", true, true, Asked::board},
+     {"comedi", Kind::comedi, "FILE", "comedi {1} ({0})", true, true, Asked::comedi},
+     {"replay", Kind::replay, "FILE", "replay of {1}", false, false}}};
+
+const DeviceWord& row_of(Kind kind) noexcept {
+    return *std::ranges::find(kDevices, kind, &DeviceWord::kind);
+}
 
 DeviceChoice replay_of(std::string file) {
     DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
@@ -140,10 +152,7 @@ DeviceChoice parse_device(std::string_view text) {
 }
 
 bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
-    using enum protocols::DeviceClass;
-    return asked == any || (asked == haply && kind == Kind::haply) ||
-           (asked == board && kind == Kind::board) || (asked == comedi && kind == Kind::comedi) ||
-           (asked == mouse && kind == Kind::mouse);
+    return asked == Asked::any || asked == row_of(kind).asked;
 }
 
 void require_fit(const protocols::Protocol& protocol,
@@ -166,12 +175,17 @@ void require_fit(const protocols::Protocol& protocol,
 }
 
 bool gives_force(Kind kind) noexcept {
-    return kind != Kind::mouse && kind != Kind::replay;
+    return row_of(kind).gives_force;
 }
 
 bool held_by_a_person(Kind kind) noexcept {
-    return kind == Kind::mouse || kind == Kind::haply || kind == Kind::board ||
-           kind == Kind::comedi;
+    return row_of(kind).held;
+}
+
+std::string device_name(const DeviceChoice& choice, const std::string& machine, bool surface) {
+    return surface && choice.kind == Kind::simulated
+             ? "simulated gantry"
+             : fmt::format(fmt::runtime(row_of(choice.kind).called), machine, choice.file);
 }
 
 Behind behind(const DeviceChoice& choice) {

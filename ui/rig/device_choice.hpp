@@ -56,6 +56,14 @@ struct DeviceChoice {
 /// @throws std::invalid_argument otherwise: what to give
 void require_fit(const protocols::Protocol& protocol, const DeviceChoice& device, std::size_t axes);
 
+/// What the device calls itself once it is opened (engine::Device::name()); an emulated board
+/// without its port, which is another one each time.
+/// @param machine  engine::Calibration::name()
+/// @param surface  of a simulated hand: it moves in space
+[[nodiscard]] std::string device_name(const DeviceChoice& choice,
+                                      const std::string& machine,
+                                      bool surface);
+
 /// For --help and for errors.
 inline constexpr std::string_view kDeviceWords =
     "sim, mouse, haply:PORT, haply-emulator, board:PORT, board:udp:HOST:PORT, comedi:FILE, or "

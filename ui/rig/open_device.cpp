@@ -36,26 +36,6 @@ protocols::RigFile rig_file_of(const DeviceChoice& choice, const std::string& na
     return protocols::load_rig(small ? "2diy_gen3" : "mk2");
 }
 
-std::string device_name(const DeviceChoice& choice, const std::string& machine, bool surface) {
-    switch (choice.kind) {
-        case Kind::simulated:
-            return surface ? "simulated gantry" : "simulated pantograph";
-        case Kind::mouse:
-            return "mouse";
-        case Kind::replay:
-            return "replay of " + choice.file;
-        case Kind::haply:
-            return "Haply " + machine + " at " + choice.file;
-        case Kind::haply_emulator:
-            return "emulated Haply " + machine;
-        case Kind::board:
-            return "open board " + machine + " at " + choice.file;
-        case Kind::comedi:
-            return "comedi " + choice.file + " (" + machine + ")";
-    }
-    return {};
-}
-
 std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
                                             const engine::Calibration& calibration,
                                             double period) {

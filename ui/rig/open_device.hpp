@@ -19,14 +19,6 @@ namespace palpate::ui {
 [[nodiscard]] protocols::RigFile rig_file_of(const DeviceChoice& choice,
                                              const std::string& name_or_file);
 
-/// What the device calls itself once it is opened (engine::Device::name()); an emulated board
-/// without its port, which is another one each time.
-/// @param machine  engine::Calibration::name()
-/// @param surface  of a simulated hand: it moves in space
-[[nodiscard]] std::string device_name(const DeviceChoice& choice,
-                                      const std::string& machine,
-                                      bool surface);
-
 /// Opens a device that a person holds, or the pointer. Make it before threads: a Haply board's
 /// guard is forked.
 /// @param period  s between ticks

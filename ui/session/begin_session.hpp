@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "data/store/database.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/session/open_apparatus.hpp"
@@ -7,7 +10,22 @@
 
 namespace palpate::ui {
 
-/// As check_goes_on() of the session that `spec` would go on with.
+/// What the file says against running spec.key.participant now: a code much like another one,
+/// another version of the protocol, no consent, the other handedness. Asked before the rig's
+/// questions, which wait without limit, and again in the transaction that begins or resumes the
+/// session. What does not stand against it is said, unless spec.said has it.
+/// @param database  none: the file is not there yet, and knows nobody
+/// @return all that had to be said
+/// @throws std::invalid_argument with what stands against it, and the remedy
+std::vector<std::string> admit(data::Database* database,
+                               const std::string& file,
+                               const RigSpec& spec);
+
+/// All that refuses the session that `spec` would go on with, before a device is touched
+/// (data::check_session()). Whoever changes its device on purpose says so by spec.other_device, or
+/// types whose session it is: then that is set.
+/// @throws std::invalid_argument where there is no terminal to ask, or std::runtime_error for
+/// another answer
 void check_goes_on(data::Database& database, RigSpec& spec);
 
 /// Plans and opens the session, or resumes it, on the device that was opened: as

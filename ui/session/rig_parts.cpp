@@ -194,7 +194,9 @@ void add_simulated_observer(Observers& observers,
         spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
         plan.picture_order, [rig] { return rig.apparatus.hand_is_done(); });
     if (wants_window(spec.screen)) {
-        observers.screen = spectator_screen(*observers.simulated, screen_options(rig));
+        SubjectScreenOptions options = screen_options(rig);
+        options.on_close = {};
+        observers.screen = spectator_screen(*observers.simulated, options);
     }
 }
 

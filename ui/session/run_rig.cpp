@@ -19,11 +19,12 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
+#include "protocols/session/trust.hpp"
 #include "data/store/async_recorder.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "ui/live/live_observer.hpp"
+#include "ui/live/live_session.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
@@ -206,8 +207,20 @@ protocols::Ports ports_of(const RunningRig& rig,
                     rig.live.pump();
                     return interrupted();
                 },
+            .happened =
+                [rig](const protocols::Event& event) {
+                    if (event.key == protocols::kRigCheck) {
+                        rig.live.board().checked(event.value);
+                    }
+                },
+            .felt =
+                [rig](protocols::TrialId trial, const protocols::Presentation& felt) {
+                    rig.live.board().began(trial);
+                    rig.live.board().feels(felt);
+                },
             .progress =
                 [rig, &log](const protocols::Progress& progress) {
+                    rig.live.board().over();
                     say("{}", log.line(progress, answer_line(rig.spec, progress), now_s()));
                     rig.live.board().attempted(progress, log.minutes(progress.left()),
                                                log.alarms());
@@ -326,13 +339,12 @@ RigEnd run_rig(data::Database& database,
                           : nullptr;
     live.begin(std::move(facts), protocol, session.plan, record);
     LiveObserver shown(masked ? *masked : observers.port(), live);
-    LiveRecorder shown_record(record, live);
     const auto lines = stop_lines(database, rig);
     serve_page(spec, live);
     protocols::SessionEnd end;
     try {
         end = run_session(protocol, session.plan, view_of(spec, session.plan, opened, *felt.port),
-                          opened.progress, ports_of(rig, felt.opening, shown, shown_record, log));
+                          opened.progress, ports_of(rig, felt.opening, shown, record, log));
     } catch (const std::exception& e) {
         live.end(e.what());
         if (!observers.screen || observers.simulated) {

@@ -1,16 +1,12 @@
 #include "ui/session/session_choice.hpp"
 
-#include <stdexcept>
-
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
-#include "ui/rig/rig_proof.hpp"
 
 namespace palpate::ui {
 
@@ -59,22 +55,6 @@ void require_kind(const SessionChoice& choice,
               "--device and --kind it was begun with, or begin another by --session {}",
               file, choice.key.session, choice.key.participant, study.protocol.id,
               choice.there.kind, to_string(kind), choice.last + 1);
-}
-
-void check_goes_on(data::Database& database, data::SessionSpec& session) {
-    try {
-        data::check_session(database, session);
-    } catch (const data::OtherDevice& other) {
-        refuse_if(isatty(STDIN_FILENO) == 0,
-                  "{}: {}; use the device it was felt on, or give --other-device as well if that "
-                  "is meant",
-                  database.file(), other.what());
-        const auto typed = typed_after(
-            fmt::format("{}. If that is meant, type the participant's code: ", other.what()));
-        refuse_if<std::runtime_error>(typed != session.key.participant,
-                                      "nothing was run: the session goes on with its own device");
-        session.other_device = true;
-    }
 }
 
 }  // namespace palpate::ui

@@ -43,11 +43,4 @@ void require_kind(const SessionChoice& choice,
                   data::RunKind kind,
                   const std::string& file);
 
-/// All that refuses a session which goes on, before a device is touched (data::check_session()).
-/// Whoever changes its device on purpose says so by session.other_device, or types whose session it
-/// is: then that is set.
-/// @throws std::invalid_argument where there is no terminal to ask, or std::runtime_error for
-/// another answer
-void check_goes_on(data::Database& database, data::SessionSpec& session);
-
 }  // namespace palpate::ui

@@ -12,7 +12,7 @@
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/observer_file.hpp"
-#include "protocols/session/session.hpp"
+#include "protocols/observer/simulated_observer.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
@@ -76,17 +76,17 @@ std::string simulated_code(std::size_t index) {
 }
 
 SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
-    : of_(of), key_{simulated_code(index), 1, of.secret} {
+    : of_(of), key_{simulated_code(index), 1, of.secret}, plan_(plan_of(of, key_, index)) {
     const protocols::StreamKey stream = session_stream(of.study.hash, key_, of.seed);
-    person_ = of.observer ? drawn_person(*of.observer, stream)
-                          : protocols::Person{.spec = of.study.protocol.observer};
-    plan_ = plan_of(of, key_, index);
+    const protocols::Person person = of.observer
+                                       ? drawn_person(*of.observer, stream)
+                                       : protocols::Person{.spec = of.study.protocol.observer};
     RigSpec rig;
     rig.rig = rig_file_of(rig.device, "");
     rig.study = of.study;
     rig.key = key_;
     rig.seed = of.seed;
-    rig.hand = person_.hand;
+    rig.hand = person.hand;
     rig.screen.headless = true;
     OpenedApparatus opened = open_apparatus(rig);
     for (const protocols::Finding& finding : opened.findings) {
@@ -95,6 +95,28 @@ SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
     }
     apparatus_ = std::move(opened.port);
     opened_ = std::move(opened.provenance);
+    answers_ = std::make_unique<protocols::SimulatedObserver>(
+        of.study.protocol, stream, plan_.picture_order,
+        [port = apparatus_.get()] { return port->hand_is_done(); }, person);
+}
+
+SimulatedSession::~SimulatedSession() = default;
+
+protocols::SessionEnd SimulatedSession::run(protocols::Recorder& recorder,
+                                            protocols::SessionProgress progress,
+                                            std::function<void(const protocols::Progress&)> heard) {
+    const protocols::SessionView view{.title = of_.study.protocol.title,
+                                      .participant = key_.participant,
+                                      .trials = plan_.trials.size(),
+                                      .practice = progress.pending().left(true),
+                                      .simulated = true,
+                                      .device = apparatus_->device_name()};
+    return run_session(of_.study.protocol, plan_, view, std::move(progress),
+                       {.apparatus = *apparatus_,
+                        .observer = *answers_,
+                        .recorder = recorder,
+                        .interrupted = interrupted,
+                        .progress = std::move(heard)});
 }
 
 std::unique_ptr<data::Database> SimulatedSession::run(
@@ -119,136 +141,50 @@ std::unique_ptr<data::Database> SimulatedSession::run(
     if (!of_.traces) {
         spec.provenance.emplace_back(data::kTracesKey, data::kNoTraces);
     }
-    protocols::SimulatedObserver answers(
-        protocol, session_stream(of_.study.hash, key_, of_.seed), plan_.picture_order,
-        [this] { return apparatus_->hand_is_done(); }, person_);
-    database->set_clock([&answers] { return kMidnight + std::llround(1e9 * answers.time_s()); });
+    database->set_clock([this] { return kMidnight + std::llround(1e9 * answers_->time_s()); });
     const data::OpenedSession opened = data::open_session(*database, spec);
     data::SqliteRecorder recorder(*database, protocol, opened.id, of_.traces);
-    const protocols::SessionEnd end = run_session(
-        protocol, plan_,
-        {.title = protocol.title,
-         .participant = key_.participant,
-         .trials = plan_.trials.size(),
-         .practice = opened.progress.pending().left(true),
-         .simulated = true,
-         .device = apparatus_->device_name()},
-        opened.progress,
-        {.apparatus = *apparatus_, .observer = answers, .recorder = recorder, .interrupted = [] {
-             return interrupted();
-         }});
+    const protocols::SessionEnd end = run(recorder, opened.progress);
     database->set_clock({});
-    switch (end.why) {
-        case protocols::SessionEnd::Why::finished:
-            return database;
-        case protocols::SessionEnd::Why::aborted:
-            return nullptr;
-        case protocols::SessionEnd::Why::faulted:
-            break;
-    }
-    throw std::runtime_error(fmt::format("{}: {}", key_.participant, end.fault));
+    refuse_if<std::runtime_error>(end.why == protocols::SessionEnd::Why::faulted, "{}: {}",
+                                  key_.participant, end.fault);
+    return end.why == protocols::SessionEnd::Why::finished ? std::move(database) : nullptr;
 }
 
-namespace {
-
-using namespace protocols;
-
-/// Feels as long as its hand does, and answers anything.
-class FeelingOnly : public Observer {
-public:
-    FeelingOnly(const OutlineSpec& outline, Apparatus& apparatus)
-        : outline_(outline), apparatus_(apparatus), cues_(outline) {}
-
-    [[nodiscard]] Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
-    [[nodiscard]] Signal ready(const TrialView& /*trial*/) override {
-        cues_ = CurvatureCues(outline_);
-        return Signal::go_on;
-    }
-    [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
-        const bool done = elapsed_s >= trial.explore_min_s && apparatus_.hand_is_done();
-        return {.signal = done ? Signal::done : Signal::go_on, .at_s = elapsed_s};
-    }
-    void feel(std::span<const engine::TickRecord> ticks) override { cues_.add(ticks); }
-    [[nodiscard]] Choice choose(const TrialView& /*trial*/, const Question& question) override {
-        Choice choice;
-        choice.confidence = question.confidence ? std::optional(1) : std::nullopt;
-        return choice;
-    }
-    [[nodiscard]] Signal gap(double /*seconds*/) override { return Signal::go_on; }
-    [[nodiscard]] Signal rest(double /*seconds*/, const TrialView& /*next*/) override {
-        return Signal::go_on;
-    }
-    void finish(const SessionView& /*session*/) override {}
-
-    [[nodiscard]] Cues cues() const noexcept { return cues_.cues(); }
-
-private:
-    OutlineSpec outline_;
-    Apparatus& apparatus_;
-    CurvatureCues cues_;
-};
-
-class NoRecorder : public Recorder {
-public:
-    [[nodiscard]] TrialId begin_trial(const PlannedTrial& /*planned*/) override {
-        return ++trials_;
-    }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
-    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) override {}
-    void event(const Event& /*event*/) override {}
-    void finish_session() override {}
-
-private:
-    TrialId trials_ = 0;
-};
-
-std::vector<FeltTrial> felt_by(const SimulatedStudy& study, std::size_t index) {
-    const Protocol& protocol = study.study.protocol;
-    SimulatedSession session(study, index);
-    FeelingOnly observer(protocol.outline, session.apparatus());
-    NoRecorder recorder;
-    std::vector<FeltTrial> felt;
-    SessionView view;
-    view.simulated = true;
-    const SessionEnd end =
-        run_session(protocol, session.plan(), view,
-                    SessionProgress(protocol, session.plan(),
-                                    session_stream(study.study.hash, session.key(), study.seed)),
-                    {.apparatus = session.apparatus(),
-                     .observer = observer,
-                     .recorder = recorder,
-                     .interrupted = [] { return interrupted(); },
-                     .progress =
-                         [&](const Progress& progress) {
-                             if (progress.result.response && progress.result.invalid.empty()) {
-                                 felt.push_back({.object = progress.planned.condition.object,
-                                                 .friction = progress.planned.condition.friction,
-                                                 .cues = observer.cues()});
-                             }
-                         }});
-    refuse_if<std::runtime_error>(end.why != SessionEnd::Why::finished, "{}",
-                                  end.why == SessionEnd::Why::aborted
+std::vector<protocols::FeltTrial> SimulatedSession::feel() {
+    std::vector<protocols::FeltTrial> felt;
+    protocols::Recorder nothing;
+    const protocols::SessionEnd end =
+        run(nothing,
+            protocols::SessionProgress(of_.study.protocol, plan_,
+                                       session_stream(of_.study.hash, key_, of_.seed)),
+            [&](const protocols::Progress& progress) {
+                if (progress.result.response && progress.result.invalid.empty()) {
+                    felt.push_back({.object = progress.planned.condition.object,
+                                    .friction = progress.planned.condition.friction,
+                                    .cues = answers_->felt()});
+                }
+            });
+    refuse_if<std::runtime_error>(end.why != protocols::SessionEnd::Why::finished, "{}",
+                                  end.why == protocols::SessionEnd::Why::aborted
                                       ? std::string("it was interrupted: nothing was computed")
                                       : end.fault);
     return felt;
 }
 
-}  // namespace
-
-std::vector<FeltTrial> felt_hands(const SimulatedStudy& all,
-                                  std::size_t people,
-                                  std::size_t threads) {
+std::vector<protocols::FeltTrial> felt_hands(const SimulatedStudy& all,
+                                             std::size_t people,
+                                             std::size_t threads) {
     SimulatedStudy study = all;
-    DesignSpec& design = study.study.protocol.design;
+    protocols::DesignSpec& design = study.study.protocol.design;
     design.practice_repetitions = 0;
     design.catch_trials = 0;
     design.break_every = 0;
-    std::vector<std::vector<FeltTrial>> felt(people);
-    for_each_number(threads, people, [&](std::size_t i) { felt[i] = felt_by(study, i); });
-    std::vector<FeltTrial> together;
+    study.study.protocol.timing.answer_timeout = 0.0;  // what they answer is nothing here
+    std::vector<std::vector<protocols::FeltTrial>> felt(people);
+    for_each_number(threads, people,
+                    [&](std::size_t i) { felt[i] = SimulatedSession(study, i).feel(); });
+    std::vector<protocols::FeltTrial> together;
     for (const auto& one : felt) {
         together.insert(together.end(), one.begin(), one.end());
     }

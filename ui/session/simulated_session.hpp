@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,11 +10,14 @@
 #include <vector>
 
 #include "protocols/observer/person.hpp"
-#include "protocols/observer/simulated_observer.hpp"
 #include "protocols/protocol/observer_model.hpp"
-#include "protocols/trial/apparatus.hpp"
+#include "protocols/session/session.hpp"
 #include "data/store/database.hpp"
 #include "ui/session/load_study.hpp"
+
+namespace palpate::protocols {
+class SimulatedObserver;
+}
 
 /// Simulated participants: the way of a session of `palpate run` on the simulated pantograph, but
 /// for a clock that waits for nobody and files that nobody sees.
@@ -37,12 +41,9 @@ class SimulatedSession {
 public:
     /// @throws as open_apparatus(); protocols::OrderError
     SimulatedSession(const SimulatedStudy& of, std::size_t index);
+    ~SimulatedSession();
 
-    /// What it runs, and who answers; valid while this lives.
     [[nodiscard]] const protocols::Plan& plan() const noexcept { return plan_; }
-    [[nodiscard]] const protocols::SessionKey& key() const noexcept { return key_; }
-    [[nodiscard]] protocols::Apparatus& apparatus() noexcept { return *apparatus_; }
-    [[nodiscard]] const protocols::Person& person() const noexcept { return person_; }
     /// What is to be known of device and protocol together (OpenedApparatus::findings).
     [[nodiscard]] const std::vector<std::string>& findings() const noexcept { return findings_; }
 
@@ -55,12 +56,22 @@ public:
     [[nodiscard]] std::unique_ptr<data::Database> run(
         const std::vector<std::pair<std::string, std::string>>& provenance);
 
+    /// Runs it to its end and keeps nothing. @return what every trial that counts lets one feel
+    /// @throws std::runtime_error if it was interrupted or a force went off
+    [[nodiscard]] std::vector<protocols::FeltTrial> feel();
+
 private:
+    /// @param heard  of each attempt
+    [[nodiscard]] protocols::SessionEnd run(
+        protocols::Recorder& recorder,
+        protocols::SessionProgress progress,
+        std::function<void(const protocols::Progress&)> heard = [](const protocols::Progress&) {});
+
     const SimulatedStudy& of_;
     protocols::SessionKey key_;
-    protocols::Person person_{};
     protocols::Plan plan_{};
     std::unique_ptr<protocols::Apparatus> apparatus_;
+    std::unique_ptr<protocols::SimulatedObserver> answers_;
     std::vector<std::string> findings_;
     std::vector<std::pair<std::string, std::string>> opened_;  ///< provenance of the apparatus
 };

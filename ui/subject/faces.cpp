@@ -52,17 +52,16 @@ std::string with(std::string_view sentence, const Numbers&... numbers) {
     return fmt::format(fmt::runtime(sentence), numbers...);
 }
 
-void trial_number(Window& window, std::size_t number, std::size_t total, bool practice) {
+/// The trial's number, and which of its two intervals it is; nothing of that where there is but
+/// one.
+void trial_number(Window& window, const protocols::TrialView& trial) {
     const Words& words = window.words();
-    band(window, with(practice ? words.practice_trial : words.trial, number, total), 0.07, 0.13,
-         1.0, kQuiet);
-}
-
-/// Which of the two of a trial; nothing where there is but one.
-void interval_number(Window& window, std::size_t interval, std::size_t intervals) {
-    if (intervals == 2) {
-        band(window, interval == 1 ? window.words().first_of_two : window.words().second_of_two,
-             0.17, 0.28, 1.6, kAccent);
+    band(window,
+         with(trial.practice ? words.practice_trial : words.trial, trial.number, trial.total), 0.07,
+         0.13, 1.0, kQuiet);
+    if (trial.intervals == 2) {
+        band(window, trial.interval == 1 ? words.first_of_two : words.second_of_two, 0.17, 0.28,
+             1.6, kAccent);
     }
 }
 
@@ -123,14 +122,10 @@ ExploreFace explore_face(const protocols::TrialView& trial,
                          double elapsed_s,
                          protocols::ResponseKind asks,
                          bool dead_man) {
-    return {.number = trial.number,
-            .total = trial.total,
-            .practice = trial.practice,
+    return {.trial = trial,
             .may_finish = elapsed_s >= trial.explore_min_s,
             .prompt = elapsed_s >= trial.explore_prompt_s,
             .dead_man = dead_man,
-            .interval = trial.interval,
-            .intervals = trial.intervals,
             .asks_shape = asks == protocols::ResponseKind::identification};
 }
 
@@ -155,8 +150,7 @@ void draw(Window& window, const WelcomeFace& face) {
 
 void draw(Window& window, const ReadyFace& face) {
     const Words& words = window.words();
-    trial_number(window, face.number, face.total, face.practice);
-    interval_number(window, face.interval, face.intervals);
+    trial_number(window, face.trial);
     const double down = face.start ? 0.54 : 0.76;
     band(window, words.ready, face.start ? 0.29 : 0.32, face.start ? 0.40 : 0.46, 2.4, kText);
     band(window, either(window.instructions().ready, words.hold_handle), face.start ? 0.41 : 0.48,
@@ -173,8 +167,7 @@ void draw(Window& window, const ReadyFace& face) {
 
 void draw(Window& window, const ExploreFace& face) {
     const Words& words = window.words();
-    trial_number(window, face.number, face.total, face.practice);
-    interval_number(window, face.interval, face.intervals);
+    trial_number(window, face.trial);
     band(window, words.feel, 0.30, 0.43, 2.4, kText);
     band(window, either(window.instructions().explore, words.along_surface), 0.44, 0.62, 1.15,
          kText);
@@ -235,8 +228,9 @@ void draw(Window& window, const BreakFace& face) {
     band(window, words.rest, 0.14, 0.27, 2.2, kText);
     band(window, either(window.instructions().rest, words.let_go), 0.29, 0.64, 1.15, kText);
     band(window,
-         with(face.practice ? words.next_practice : words.next_trial, face.next, face.total), 0.66,
-         0.74, 1.0, kQuiet);
+         with(face.next.practice ? words.next_practice : words.next_trial, face.next.number,
+              face.next.total),
+         0.66, 0.74, 1.0, kQuiet);
     if (face.seconds_left > 0) {
         press(window, with(words.wait, face.seconds_left), kQuiet);
     } else {

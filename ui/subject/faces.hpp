@@ -38,12 +38,8 @@ struct StartMark {
 /// Before an interval: the participant begins it.
 struct ReadyFace {
     static constexpr std::string_view kName = "ready";
-    std::size_t number = 0;
-    std::size_t total = 0;
-    bool practice = false;
-    bool dead_man = false;     ///< Space has to be held
-    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
-    std::size_t intervals = 1;
+    protocols::TrialView trial{};
+    bool dead_man = false;             ///< Space has to be held
     std::optional<StartMark> start{};  ///< none: nobody brings a handle there
 };
 
@@ -51,15 +47,11 @@ struct ReadyFace {
 /// nothing of it can be seen.
 struct ExploreFace {
     static constexpr std::string_view kName = "explore";
-    std::size_t number = 0;
-    std::size_t total = 0;
-    bool practice = false;
-    bool may_finish = false;   ///< the least exploration time has passed
-    bool prompt = false;       ///< time to decide
-    bool dead_man = false;     ///< Space is held, Enter is done
-    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
-    std::size_t intervals = 1;
-    bool asks_shape = true;  ///< pictures will come; the same for all trials of a session
+    protocols::TrialView trial{};
+    bool may_finish = false;  ///< the least exploration time has passed
+    bool prompt = false;      ///< time to decide
+    bool dead_man = false;    ///< Space is held, Enter is done
+    bool asks_shape = true;   ///< pictures will come; the same for all trials of a session
 
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
@@ -95,9 +87,7 @@ struct FeedbackFace {
 struct BreakFace {
     static constexpr std::string_view kName = "break";
     int seconds_left = 0;  ///< 0: the participant may go on
-    std::size_t next = 0;
-    std::size_t total = 0;
-    bool practice = false;
+    protocols::TrialView next{};
     bool awaits_handle = false;  ///< home, where nobody holds it
 
     friend bool operator==(const BreakFace&, const BreakFace&) = default;

@@ -23,13 +23,7 @@ Signal or_abort(bool aborted, Signal signal) {
 class SpectatorScreen : public protocols::Observer {
 public:
     SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
-        : observer_(observer),
-          asks_(options.asks),
-          stage_(options.window,
-                 options.watermark,
-                 options.interrupted,
-                 options.desk,
-                 options.on_stop) {}
+        : observer_(observer), asks_(options.asks), stage_(options) {}
 
     [[nodiscard]] Signal welcome(const protocols::SessionView& session) override {
         stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
@@ -43,11 +37,7 @@ public:
     [[nodiscard]] Signal ready(const protocols::TrialView& trial) override {
         exploring_.reset();
         in_trouble_.reset();
-        stage_.show(ReadyFace{.number = trial.number,
-                              .total = trial.total,
-                              .practice = trial.practice,
-                              .interval = trial.interval,
-                              .intervals = trial.intervals});
+        stage_.show(ReadyFace{.trial = trial});
         return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
     }
 
@@ -89,7 +79,7 @@ public:
     }
 
     [[nodiscard]] Signal rest(double seconds, const protocols::TrialView& next) override {
-        stage_.show(BreakFace{0, next.number, next.total, next.practice});
+        stage_.show(BreakFace{.next = next});
         return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)),
                         observer_.rest(seconds, next));
     }

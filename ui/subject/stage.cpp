@@ -45,19 +45,11 @@ int digit_of(std::int32_t symbol) {
 
 }  // namespace
 
-Stage::Stage(const WindowOptions& window,
-             std::string watermark,
-             std::function<bool()> interrupted,
-             protocols::OperatorDesk* desk,
-             std::function<void(engine::Trip, const char*)> on_stop,
-             std::function<void()> on_close)
-    : window_(window),
-      watermark_(std::move(watermark)),
-      interrupted_(std::move(interrupted)),
+Stage::Stage(StageOptions options)
+    : options_(std::move(options)),
+      window_(options_.window),
       looked_ns_(monotonic_ns()),
-      desk_(desk),
-      on_stop_(std::move(on_stop)),
-      on_close_(std::move(on_close)) {
+      desk_(options_.desk) {
     SDL_PumpEvents();
     SDL_FlushEvent(
         SDL_WINDOWEVENT);  // of the window that SDL made first, and hid, for its renderer
@@ -110,8 +102,8 @@ void Stage::redraw() {
     if (face_) {
         face_(window_);
     }
-    if (!watermark_.empty()) {
-        draw_watermark(window_, watermark_);
+    if (!options_.watermark.empty()) {
+        draw_watermark(window_, options_.watermark);
     }
     if (bar_ != Bar::none) {
         draw_bar(window_, sentence_of(bar_));
@@ -120,8 +112,8 @@ void Stage::redraw() {
 }
 
 void Stage::stop() const {
-    if (on_stop_) {
-        on_stop_(engine::Trip::stopped, protocols::kEscapeAtScreen);
+    if (options_.on_stop) {
+        options_.on_stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
     }
 }
 
@@ -268,8 +260,8 @@ Input Stage::read(const SDL_Event& event) {
         return {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
     }
     if (event.type == SDL_QUIT) {
-        if (on_close_) {
-            on_close_();
+        if (options_.on_close) {
+            options_.on_close();
         }
         return {.kind = Input::Kind::lost, .way = "window to be closed"};
     }
@@ -296,7 +288,7 @@ Input Stage::read_window(const SDL_Event& event) {
 Input Stage::next(int wait_ms) {
     const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(wait_ms) * 1'000'000;
     for (;;) {
-        if (display_lost() || (interrupted_ && interrupted_())) {
+        if (display_lost() || (options_.interrupted && options_.interrupted())) {
             return {.kind = Input::Kind::abort};
         }
         window_.mind_frame();

@@ -32,13 +32,7 @@ bool looks_other(const std::optional<StartMark>& a, const std::optional<StartMar
 }  // namespace
 
 SubjectScreen::SubjectScreen(SubjectScreenOptions options)
-    : options_(std::move(options)),
-      stage_(options_.window,
-             options_.watermark,
-             options_.interrupted,
-             options_.desk,
-             options_.on_stop,
-             options_.on_close) {}
+    : options_(std::move(options)), stage_(options_) {}
 
 Signal SubjectScreen::wait_for_go() {
     guard(monotonic_ns());
@@ -136,13 +130,7 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
     stage_.in_trial(!first);
     stage_.need_keyboard(true);
-    const Signal signal = wait_at_start({.number = trial.number,
-                                         .total = trial.total,
-                                         .practice = trial.practice,
-                                         .dead_man = options_.dead_man,
-                                         .interval = trial.interval,
-                                         .intervals = trial.intervals},
-                                        first);
+    const Signal signal = wait_at_start({.trial = trial, .dead_man = options_.dead_man}, first);
     stage_.need_keyboard(false);
     hold(signal == Signal::go_on);
     return signal;
@@ -320,9 +308,7 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
         const double left = static_cast<double>(until - monotonic_ns()) * 1e-9;
         const BreakFace face{
             .seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0,
-            .next = next.number,
-            .total = next.total,
-            .practice = next.practice,
+            .next = next,
             .awaits_handle = options_.desk != nullptr && options_.desk->awaits_handle()};
         if (face != shown) {
             stage_.show(face);

@@ -15,14 +15,11 @@
 
 namespace palpate::ui {
 
-/// How the screen looks, and what ends it.
-struct SubjectScreenOptions {
-    WindowOptions window{};
-    std::string watermark;              ///< "SIMULATED", "PILOT" or nothing
-    std::function<bool()> interrupted;  ///< a signal asks the session to end
+/// The same of a person's screen, and how trials begin and end there.
+struct SubjectScreenOptions : StageOptions {
     /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is
     /// not.
-    std::function<void(const engine::Vec2&)> on_pointer;
+    std::function<void(const engine::Vec2&)> on_pointer{};
     /// Where the handle is between trials. Empty, or nowhere: it has no way to a start.
     std::function<std::optional<engine::Vec3>()> place{};
     protocols::StartGate gate{};     ///< where a trial may begin
@@ -33,12 +30,7 @@ struct SubjectScreenOptions {
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
     /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at
     /// latest with the first explore() after the key was let go.
-    std::function<void(bool)> on_hold;
-    protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// The force off, now, for this cause and in this way: Escape on any screen, and while an
-    /// object is felt whatever takes the window out of the participant's sight or reach.
-    std::function<void(engine::Trip, const char*)> on_stop;
-    std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
+    std::function<void(bool)> on_hold{};
 };
 
 /// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how
