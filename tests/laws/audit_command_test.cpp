@@ -1,6 +1,5 @@
-#include <nlohmann/json.hpp>
-
 #include "data/inference/audit.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sql_first.hpp"
@@ -48,26 +47,21 @@ TEST_CASE("a difference as large as the bound is called the same in 5 % of sampl
 
 TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not",
           "[audit][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+    const TemporaryFile file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         ran(run_words(kFourTrials, person, file, {"--device", "sim"}));
     }
     const auto audit = [&] {
         return palpate_command({"audit", file, "--kind", "simulated"});
     };
-    const auto line_of = [](const std::string& text, const std::string& start) {
-        const std::size_t at = text.find(start);
-        return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
-    };
     const Finished first = ended(audit());
     CHECK_THAT(first.out, Has("on - off"));
     for (const char* of : {"start, to the right", "start, away", "late ticks", "saturated ticks",
                            "stale ticks", "trials with a gap"}) {
-        CHECK_THAT(line_of(first.out, of), Has("the same"));
+        CHECK_THAT(behind(first.out, of), Has("the same"));
     }
     sql_edit(file, "UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
-    const std::string moved = line_of(audit().out, "start, to the right");
+    const std::string moved = behind(audit().out, "start, to the right");
     CAPTURE(moved);
     CHECK_THAT(moved, Has("DIFFERS", " 0.0040 "));
 
@@ -76,26 +70,22 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     sql_edit(file,
              "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
              "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
-    const std::string second =
-        sql_csv(file,
-                "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
-                "participant_code = 'P2'")
-            .substr(2, 14);
+    const std::string second = sql_row(
+        file,
+        "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE participant_code = 'P2'");
     CHECK_THAT(audit().out,
                Has("no answer with friction on, so no difference with it: " + second + "\n"));
-    CHECK_THAT(line_of(audit().out, "late ticks"), Has("  2  "));
+    CHECK_THAT(behind(audit().out, "late ticks"), Has("  2  "));
     CHECK_THAT(page_of(file, {"--kind", "simulated"}),
                Has("There is no answer with friction on, so no "
                    "difference with it: " +
                    second + "."));
-    const auto made = nlohmann::json::parse(
-        palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
+    const auto made = json_of({"audit", file, "--kind", "simulated"});
     CHECK(made.at("no_answer_with").dump() ==
           R"([{"friction":"on","people":[")" + second + R"("]}])");
 
-    const Finished real = ran({"audit", file}, 2);
-    CHECK_THAT(real.error, Has("nothing in answered trials of real sessions:",
-                               "--kind chooses other sessions"));
+    CHECK_THAT(ran({"audit", file}, 2).error, Has("nothing in answered trials of real sessions:",
+                                                  "--kind chooses other sessions"));
     CHECK_THAT(ran({"audit", file, "--study", "four_trials"}, 2).error,
                Has("nothing in answered trials of real sessions of the study four_trials: "));
 }

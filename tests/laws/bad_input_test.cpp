@@ -3,29 +3,16 @@
 
 TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, nothing is created",
           "[cli][law]") {
-    struct Wrong {
-        const char *from, *to, *value;
-    };
-    for (const Wrong& wrong :
-         {Wrong{"repetitions = 1", "repetitons = 1", "repetitions"},
-          Wrong{"rate_hz = 1000", "rate_hz = 100", "100"},
-          Wrong{"force_limit_n = 10", "force_limit_n = 500", "500"},
-          Wrong{"stiffness_n_per_m = 1000", "stiffness_n_per_m = 1e9", "1000000000"},
-          Wrong{"rate_hz = 1000", "rate_hz = \"fast\"", "rate_hz"},
-          Wrong{"mu_s = 0.7", "mu_s = 0.3", "0.3"}, Wrong{"[timing]", "[timing", "table"},
-          Wrong{"max_run_object = 2", "max_run_object = -1", "-1"},
-          Wrong{"1\nmax_run_object = 2\nmax_run_friction = 3",
-                "40\nmax_run_object = 1\nmax_run_friction = 1", "object 1, friction 1"}}) {
-        CAPTURE(wrong.to);
+    for (const auto& row : test_rows("wrong_demo.tsv")) {
+        CAPTURE(row);
         const TemporaryFolder folder;
-        std::ofstream(folder.file("p.toml"))
-            << short_text("shape_friction_demo", {{wrong.from, wrong.to}});
+        write(folder.file("p.toml"), short_text("shape_friction_demo", {{row.at(0), row.at(1)}}));
         CHECK_THAT(
             ran(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"), {"--headless"}), 2)
                 .error,
             Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
                                      Catch::CaseSensitive::Yes) &&
-                Has(wrong.value));
+                Has(row.at(2)));
         CHECK(folder.names() == Words{"p.toml"});
     }
 }
@@ -33,54 +20,23 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
 TEST_CASE("wrong words on the command line get a sentence and exit code 2, and create nothing",
           "[cli][law]") {
     const TemporaryFolder folder;
-    const std::string db = folder.file("d.sqlite");
-    struct Wrong {
-        Words words;
-        const char* says;
-    };
-    for (const Wrong& wrong :
-         {Wrong{{}, "a command is missing"}, Wrong{{"fly"}, "fly"}, Wrong{{"run"}, "PROTOCOL"},
-          Wrong{{"sql", db, "SELECT 1"}, "\"SELECT 1\" is one word too many; palpate sql --help"},
-          Wrong{{"run", "nothing.toml", "--participant", "P1", "--db", db}, "nothing.toml"},
-          Wrong{{"run", "shape_friction_demo", "--participant", "Jane Doe", "--db", db},
-                "Jane Doe"},
-          Wrong{{"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--device",
-                 "haptic"},
-                "sim, mouse"},
-          Wrong{{"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--device",
-                 "mouse"},
-                "display"},
-          Wrong{
-              {"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--kind", "maybe"},
-              "maybe"}}) {
-        CAPTURE(wrong.words);
-        const Finished run = ran(wrong.words, 2);
-        CHECK_THAT(run.error + run.out, Has(wrong.says));
+    const std::map<std::string, std::string> meant{
+        {"{db}", folder.file("d.sqlite")},
+        {"{out}", folder.file("out")},
+        {"{study}", kFourTrials},
+        {"{gantry}", PALPATE_SOURCE_DIR "/examples/gantry.toml"},
+        {"{name}", "Jane Doe"}};
+    for (const auto& row : test_rows("wrong_words.tsv")) {
+        CAPTURE(row);
+        Words words = split(row.at(0), ' ');
+        std::erase(words, "");
+        for (std::string& word : words) {
+            word = meant.contains(word) ? meant.at(word) : word;
+        }
+        const Finished run = ran(words, 2);
+        CHECK_THAT(run.error + run.out, Has(row.at(1)));
         CHECK(folder.names().empty());
     }
-}
-
-TEST_CASE("a number outside of its range is refused with what to give", "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::vector<std::vector<const char*>> wrong{
-        {"--monitor", "0",
-         "--monitor: \"0\" is out of range: give a number above 0; palpate run --help"},
-        {"--session", "0",
-         "--session: \"0\" is out of range: give a number above 0; palpate run --help"},
-        {"--speed", "-1", "--speed: \"-1\" is out of range: give 0 or more; palpate"},
-        {"--speed", "fast", "--speed: \"fast\" is no number: give 0 or more; palpate"},
-        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5; palpate"},
-        {"--spin", "-0.1", "--spin: \"-0.1\" is out of range: give 0 to 0.5; palpate"},
-        {"--spin", "much", "--spin: \"much\" is no number: give 0 to 0.5; palpate"}};
-    for (const auto& one : wrong) {
-        CAPTURE(one);
-        CHECK_THAT(
-            ran(run_words("pilot", "P1", folder.file("d.sqlite"), {one[0], one[1]}), 2).error,
-            Has(one[2]));
-    }
-    CHECK_THAT(ran({"screenshots", "--width", "479"}, 2).error,
-               Has("give 480 to 7680; palpate screenshots --help says"));
-    CHECK(folder.names().empty());
 }
 
 TEST_CASE("a font that does not open is refused before anything is made", "[cli][law]") {
@@ -91,33 +47,12 @@ TEST_CASE("a font that does not open is refused before anything is made", "[cli]
         for (const Words& words : {run_words("pilot", "P1", folder.file("d.sqlite")),
                                    Words{"demo", "--db", folder.file("d.sqlite")},
                                    Words{"screenshots", "-o", folder.file("o")}}) {
-            const Words more = joined(words, {"--font", font});
-            CHECK_THAT(ran(more, 2).error,
+            CHECK_THAT(ran(joined(words, {"--font", font}), 2).error,
                        Has("--font " + font + ": ",
                            font == text ? "give a TrueType file" : "no such file") &&
                            !Has("headless"));
             CHECK(folder.names() == Words{"text"});
         }
-    }
-}
-
-TEST_CASE("what is said of a window is not said beside --headless", "[cli][law]") {
-    const TemporaryFolder folder;
-    for (const Words& window :
-         {Words{"--font", "f.ttf"}, {"--monitor", "1"}, {"--fullscreen"}, {"--windowed"}}) {
-        const Words words =
-            joined(run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless"}), window);
-        CHECK_THAT(ran(words, 2).error, Has(window.front(), " excludes ", "--headless"));
-    }
-    CHECK(folder.names().empty());
-}
-
-TEST_CASE("a word that does not apply is not passed over where it says its default", "[cli][law]") {
-    CHECK_THAT(ran({"new", "--keys", "--from", "shape_friction"}, 2).error,
-               Has("--from excludes --keys"));
-    for (const char* form : {"bash", "man"}) {
-        CHECK_THAT(ran({"words", form, "--of", "protocol"}, 2).error,
-                   Has("--of is for words schema"));
     }
 }
 
@@ -178,8 +113,7 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     const Words words = run_words("shape_friction_demo", "P1", file, {"--headless"});
     ran(words);
     CHECK_THAT(ran(words, 2).error, Has("--session 2"));
-    const Words second = joined(words, {"--session", "2"});
-    ran(second);
+    ran(joined(words, {"--session", "2"}));
 }
 
 TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file",
@@ -305,8 +239,7 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
     REQUIRE(run({"P03"}).code == 0);
     for (const char* code : {"p03", "P3", "P-03", "P_3", "p0-03"}) {
         CAPTURE(code);
-        const Finished asked = run({code});
-        check_end(asked, 2,
+        check_end(run({code}), 2,
                   Has(std::string("nobody is called ") + code + ", and P03 is there", "--another"));
         CHECK_THAT(ran({"participant", db, code, "--new"}, 2).error, Has("P03 is there"));
         CHECK_THAT(palpate_command({"participant", db, code}).error, Has("P03 is there"));
@@ -342,8 +275,7 @@ TEST_CASE(
                             "'" + palpate_program() + "' " + words + where})
                 .wait();
         };
-        const Finished full = run(" >/dev/full");
-        check_end(full, 1, Has("standard output: cannot be written"));
+        check_end(run(" >/dev/full"), 1, Has("standard output: cannot be written"));
         CHECK(run(" | true").error.find("cannot be written") == std::string::npos);
     }
 }

@@ -71,9 +71,7 @@ TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can
 TEST_CASE("nothing that a file holds is an order to the terminal of who reads it", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    const Words run{"run", "shape_friction_demo", "--participant", "P1",      "--db",
-                    db,    "--headless",          "--operator",    "@SUM(A1)"};
-    ran(run);
+    ran(run_words("shape_friction_demo", "P1", db, {"--headless", "--operator", "@SUM(A1)"}));
     ran({"note", db, "=HYPERLINK(\"http://x\",\"y\")", "--participant", "P1"});
     ran({"note", db, "-5", "--participant", "P1"});
     ran({"participant", db, "P1", "--set", "from=+1+1", "--set", "age=-3"});
@@ -136,6 +134,6 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
         CHECK(only_shows(done.error));
     }
     const Finished json = palpate_command({"sql", db, "--json", "-c", "SELECT * FROM event"});
-    std::ofstream(folder.file("rows.json")) << json.out;
-    CHECK(Process({"python3", "-m", "json.tool", folder.file("rows.json")}).wait().code == 0);
+    const std::string rows = write(folder.file("rows.json"), json.out);
+    CHECK(Process({"python3", "-m", "json.tool", rows}).wait().code == 0);
 }

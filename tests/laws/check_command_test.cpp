@@ -34,7 +34,6 @@ TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
     CHECK_THAT(ran({"new", folder.file("a.toml"), "--from", "shape"}, 2).error,
                Has("give one of curvature_2afc, "));
     CHECK_THAT(ran({"new", folder.file("no/a.toml")}, 2).error, Has("check the path"));
-    ran({"new"}, 2);
     CHECK(folder.names().empty());
     CHECK_THAT(
         ran({"new", "--keys"}).out,

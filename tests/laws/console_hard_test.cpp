@@ -174,8 +174,7 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
     }
     const std::string none = folder.file("none.pem");
     const auto says = [&](const Words& words) {
-        const Words all = joined({"console", session.file}, words);
-        const Finished refused = palpate_command(all);
+        const Finished refused = palpate_command(joined({"console", session.file}, words));
         CHECK((refused.code == 1 || refused.code == 2));
         CHECK_THAT(refused.out, !Has("token"));
         return refused.error;
@@ -198,16 +197,14 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
 
     const std::string jar = folder.file("jar");
     const auto asked = [&](const std::string& address, const Words& more) {
-        Words words = joined({"curl", "-s", "--cacert", cert, "-b", jar, "-c", jar, address}, more);
-        return Process(words).wait();
+        return Process(
+                   joined({"curl", "-s", "--cacert", cert, "-b", jar, "-c", jar, address}, more))
+            .wait();
     };
     for (const bool acts : {false, true}) {
-        Words words{palpate_program(), "console", session.file, "--listen",
-                    "127.0.0.2",       "--tls",   cert,         key};
-        if (acts) {
-            words.emplace_back("--act");
-        }
-        Process console(words);
+        Process console(joined({palpate_program(), "console", session.file, "--listen", "127.0.0.2",
+                                "--tls", cert, key},
+                               acts ? Words{"--act"} : Words{}));
         REQUIRE(console.says("\nCtrl+C"));
         const std::string out = console.out();
         const std::size_t at = out.find("https://127.0.0.2:");

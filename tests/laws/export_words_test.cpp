@@ -7,16 +7,15 @@ namespace {
 
 /// A yes-no study whose conditions are called by numbers.
 std::string yes_no(const TemporaryFolder& folder, const std::string& gap = "gap_s = 0.1") {
-    const std::string file = folder.file("yes_no.toml");
-    write(file,
-          edited(four_trials(),
-                 {{"name = \"off\"", "name = \"01\""},
-                  {"name = \"on\"", "name = \"1\""},
-                  {"[design]",
-                   "[response]\nkind = \"yes_no\"\nquestion = \"Round?\"\nlow = \"no\"\nhigh = "
-                   "\"yes\"\n\n[design]"},
-                  {"gap_s = 0.1", gap}}));
-    return file;
+    return write(
+        folder.file("yes_no.toml"),
+        edited(four_trials(),
+               {{"name = \"off\"", "name = \"01\""},
+                {"name = \"on\"", "name = \"1\""},
+                {"[design]",
+                 "[response]\nkind = \"yes_no\"\nquestion = \"Round?\"\nlow = \"no\"\nhigh = "
+                 "\"yes\"\n\n[design]"},
+                {"gap_s = 0.1", gap}}));
 }
 
 Finished exported(const std::string& file, const std::string& format, const std::string& to) {
@@ -53,10 +52,7 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
             const std::string to = folder.file(format);
             std::filesystem::remove_all(to);
             ended(exported(file, format, to));
-            std::string text;
-            for (const auto& entry : std::filesystem::directory_iterator(to)) {
-                text += entry.path().filename().string() + '\n' + slurp(entry.path());
-            }
+            const std::string text = everything(to);
             CAPTURE(format, text);
             for (const auto& [label, hash] : hash_of) {
                 CHECK_THAT(text, Has("," + label, "four_trials@" + hash.substr(0, 8)));
@@ -80,9 +76,7 @@ TEST_CASE("R reads conditions that are called by numbers as a quickpsy export ha
     ran(run_words(yes_no(folder), "P1", file, {"--headless"}));
     ended(exported(file, "quickpsy", folder.file("q")));
     const std::string readme = slurp(folder.file("q/README.txt"));
-    const std::size_t from = readme.find("d <- ");
-    REQUIRE(from != std::string::npos);
-    write(folder.file("q/read.R"), readme.substr(from, readme.find("quickpsy::") - from) +
+    write(folder.file("q/read.R"), "d <- " + behind(readme, "d <- ", "quickpsy::") +
                                        "cat(unique(d$condition), class(d$x), class(d$k))\n");
     if (has_r()) {
         const Finished r =

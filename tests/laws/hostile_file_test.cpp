@@ -20,10 +20,7 @@ const std::string kAllRight =
 
 TEST_CASE("nothing is written beside what a file's schema would do", "[store][law]") {
     const LabFiles files;
-    struct Case {
-        std::string sql, name;
-    };
-    for (const Case& at : std::vector<Case>{
+    for (const auto& [sql, name] : std::vector<std::pair<std::string, std::string>>{
              {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
               "started_utc = '2001-01-01T00:00:00.000Z'; END",
               "trigger t"},
@@ -36,7 +33,7 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
              {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
              {"CREATE INDEX by_number ON trial (outcome COLLATE uint)", "index by_number"},
              {kEndless, "table trial"}}) {
-        const std::string file = files.with(at.sql);
+        const std::string file = files.with(sql);
         const std::string before = lab_sqlite(file, ".dump");
         for (const Words& words : {files.run(file, "P02"),
                                    Words{"note", file, "hot", "--participant", "demo"},
@@ -44,8 +41,8 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
                                    {"participant", file, "demo", "--consent", "no"},
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
-            CAPTURE(at.sql, words.front());
-            CHECK_THAT(ran(words, 2).error, Has(at.name, "nothing is written into it"));
+            CAPTURE(sql, words.front());
+            CHECK_THAT(ran(words, 2).error, Has(name, "nothing is written into it"));
         }
         CHECK(lab_sqlite(file, ".dump") == before);
     }
@@ -230,8 +227,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
     }
     SECTION("merged, with a session of theirs") {
         const std::string eve = files.folder.file("eve.sqlite");
-        const Words words = joined(files.run(eve, "EVE"), {"--secret", zeros});
-        ran(words);
+        ran(joined(files.run(eve, "EVE"), {"--secret", zeros}));
         ran({"merge", file, eve});
         CHECK(secret_of("EVE") == zeros + "\n");
     }
@@ -249,31 +245,12 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
 TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
     const LabFiles files;
     const std::string other = files.with("SELECT 1");
-    struct Case {
-        Words words;
-        std::string said;
-    };
-    for (const Case& at : std::vector<Case>{
-             {{"ATTACH '" + other + "' AS b"}, "--attach lets it read other files too"},
-             {{"SELECT fts3_tokenizer('simple', x'4141414141414141')"}, "not authorized"},
-             {{"PRAGMA temp_store_directory = '/tmp'"}, "only reads this file"},
-             {{"SELECT zeroblob(100000000)"}, "too big: no value is longer than 50 MB"},
-             {{"SELECT length(printf('%100000000d', 1))"}, "too big: no value is longer"},
-             {{"SELECT instr(a, substr(a, 1, 4000000) || 'b') FROM (SELECT hex(zeroblob(4000000)) "
-               "AS a)",
-               "--steps", "100000"},
-              "one step of this takes longer than a statement may"},
-             {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r WHERE x < 40) "
-               "SELECT "
-               "zeroblob(40000000 + x) FROM r ORDER BY x % 7"},
-              "sort, group or join less at once"},
-             {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT max(x) FROM "
-               "r",
-               "--steps", "1000000"},
-              "has not ended after 1000000 steps"}}) {
-        const Words words = joined({"sql", files.clean, "-c"}, at.words);
-        CAPTURE(at.words.front());
-        CHECK_THAT(ran(words, 1).error, Has(at.said));
+    for (const auto& row : test_rows("pasted_queries.tsv")) {  // it, how many steps, what is said
+        CAPTURE(row);
+        const Words words{"sql", files.clean, "-c", all_replaced(row.at(0), "{other}", other)};
+        CHECK_THAT(
+            ran(joined(words, row.at(1).empty() ? Words{} : Words{"--steps", row.at(1)}), 1).error,
+            Has(row.at(2)));
     }
     CHECK(palpate_command({"sql", files.clean, "--attach", "--csv", "-c",
                            "ATTACH '" + other + "' AS b; SELECT count(*) FROM b.trial"})

@@ -19,9 +19,7 @@ TEST_CASE("answers and the experimenter's chords are heard on every keyboard lay
           "[window][law]") {
     const char* layout = GENERATE("cz", "ru");
     CAPTURE(layout);
-    const TemporaryFile file("d.sqlite");
-    WindowSession session({"run", kFourTrials, "--participant", "P1", "--db", file, "--device",
-                           "mouse", "--kind", "pilot"});
+    PointerSession session;
     session.wait_for_screen("welcome");
     REQUIRE(Process({"setxkbmap", "-display", session.screen().display(), layout}).wait().code ==
             0);

@@ -1,13 +1,5 @@
 #include "tests/support/program.hpp"
 
-namespace {
-
-const std::string kPlaneScene = test_text("scenes/line.toml");
-
-const std::string kQuestProcedure = test_text("procedures/quest_of_ten.toml");
-
-}  // namespace
-
 TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name",
           "[report][law]") {
     const TemporaryFolder folder;
@@ -22,8 +14,8 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     write(f("drawn.svg"), "<?xml version=\"1.0\"?>\n<svg><title>by hand</title></svg>\n");
     write(f("t.csv"), "t_s,x_m,y_m\n0,0.05,0\n0.001,0.02,0\n");
     write(f("xy.csv"), "x_m,y_m\n0.05,0\n");
-    write(f("s.toml"), kPlaneScene);
-    write(f("proc.toml"), kQuestProcedure);
+    write(f("s.toml"), test_text("scenes/line.toml"));
+    write(f("proc.toml"), test_text("procedures/quest_of_ten.toml"));
     write(f("r.csv"), "response\n1\n1\n0\n");
 
     const std::vector<Words> commands{
@@ -39,18 +31,10 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     };
     const auto names = folder.names();
     for (const auto& command : commands) {
-        const auto to = [&](const std::string& file) {
-            auto words = command;
-            words.push_back(file);
-            return palpate_command(words);
-        };
         for (const std::string& name : names) {
             CAPTURE(command.front(), name);
             const std::string before = slurp(f(name.c_str()));
-            const auto done = to(f(name.c_str()));
-            CHECK(done.code == 2);
-            CHECK(done.out.empty());
-            CHECK_THAT(done.error, Has(name + " is there already and is not what"));
+            refused(joined(command, {f(name.c_str())}), name + " is there already and is not what");
             CHECK(slurp(f(name.c_str())) == before);
         }
         CHECK(folder.names() == names);
@@ -60,12 +44,9 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
             continue;  // asks at the keyboard
         }
         const TemporaryFolder made;
-        write(made.file("out"), "");  // an empty file is nobody's
-        auto words = command;
-        words.push_back(made.file("out"));
-        const auto first = palpate_command(words);
-        CAPTURE(command.front(), first.error);
-        REQUIRE(first.code == 0);
+        // an empty file is nobody's
+        const Words words = joined(command, {write(made.file("out"), "")});
+        ran(words);
         const std::string text = slurp(made.file("out"));
         CHECK(!text.empty());
         ran(words);

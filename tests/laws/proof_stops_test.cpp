@@ -107,8 +107,7 @@ TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commissio
         pulsed = pulsed || board.motors() != "0, 0";
         return !program.running();
     }));
-    const Finished end = program.wait();
-    check_end(end, 3, Has("stopped"));
+    check_end(program.wait(), 3, Has("stopped"));
     CHECK_FALSE(pulsed);
     CHECK_FALSE(std::filesystem::exists(made));
     CHECK(terminal.as_before());

@@ -62,22 +62,23 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
         path += space ? fmt::format("{},{},{},{}\n", t, x, 0.03 * std::cos(3.0 * t), height - 0.02)
                       : fmt::format("{},{},{}\n", t, x, height);
     }
-    const auto felt = csv_body(said_of("render", scene, path));
-    const auto near = csv_body(said_of("closest", scene, path));
-    REQUIRE(felt.size() == kTicks);
-    REQUIRE(near.size() == kTicks);
-    const std::size_t dimension = space ? 3 : 2;
-    const std::size_t go = 2 + (space ? 3 : 2) + dimension;
+    const std::string felt = said_of("render", scene, path);
+    const Columns columns = columns_in(felt);
+    const Columns near = columns_in(said_of("closest", scene, path));
+    const auto rows = csv_records(felt);
+    REQUIRE(rows.size() == kTicks);
     std::size_t free = 0;
     double worst = 0.0;
     for (std::size_t k = 0; k < kTicks; ++k) {
-        if (felt[k][1] != "FREE") {
+        if (rows[k].at("mode") != "FREE") {
             continue;
         }
         ++free;
-        for (std::size_t i = 0; i < dimension; ++i) {
-            const double found = std::stod(near[k][1 + (space ? 2 : 1) + i]);
-            worst = std::max(worst, std::fabs(std::stod(felt[k][go + i]) - found));
+        for (const std::string axis : {"x", "y", "z"}) {
+            if (axis != "z" || space) {
+                worst = std::max(worst, std::fabs(columns.at("go_" + axis + "_m")[k] -
+                                                  near.at("cp_" + axis + "_m")[k]));
+            }
         }
     }
     CHECK(free > kTicks / 3);

@@ -1,4 +1,3 @@
-#include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 
@@ -22,21 +21,10 @@ void record(const std::string& file,
          "--headless"});
 }
 
-std::string copied(const std::string& file, const std::string& to) {
-    data::Database(file, data::Access::write).checkpoint();
-    std::filesystem::copy_file(file, to, std::filesystem::copy_options::overwrite_existing);
-    return to;
-}
-
 /// An edit by hand is seen.
 void check_edit(const std::string& file, const std::string& to, const std::string& sql) {
     CAPTURE(sql);
-    copied(file, to);
-    {
-        data::Database edited(to, data::Access::write);
-        edited.execute("PRAGMA foreign_keys = OFF");
-        edited.execute(sql.c_str());
-    }
+    sql_edit(copied(file, to), "PRAGMA foreign_keys = OFF;" + sql);
     ran({"verify", to}, 1);
 }
 
@@ -101,8 +89,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     }
     const std::string shared = folder.file("shared");
     ran({"export", file, "--format", "csv", "-o", shared, "--kind", "simulated", "--with-details"});
-    const std::string person = ran({"participant", file, "P2"}).out;
-    const std::string subject = person.substr(person.find("sub-"), 14);
+    const std::string subject =
+        "sub-" + behind(ran({"participant", file, "P2"}).out, "sub-").substr(0, 10);
     CHECK_THAT(slurp(shared + "/sessions.csv"), Has(subject));
     CHECK_THAT(slurp(shared + "/events.csv"), Has("is really") && !Has("P2"));
 
@@ -232,8 +220,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
         int orders = 0;
         do {
             std::filesystem::remove(all);
-            const Words words = joined({"merge", all}, files);
-            ran(words);
+            ran(joined({"merge", all}, files));
             const std::string once = sql_csv(all, kNoted);
             for (std::size_t i = 0; said.empty() && i < files.size(); ++i) {
                 ran({"merge", all, files[i]});  // again, one by one: nothing changes
@@ -287,8 +274,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
 
 TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again",
           "[repair][disk][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+    const TemporaryFile file("a.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         record(file, person);
     }

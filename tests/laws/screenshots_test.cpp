@@ -18,10 +18,9 @@ std::map<std::string, std::string> pictures_of(const std::string& protocol,
                                                const Words& more = {}) {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), protocol);
-    const Words words = joined({"screenshots", "--protocol", folder.file("p.toml"), "-o",
-                                folder.file("shots"), "--width", "640", "--height", "480"},
-                               more);
-    ran(words);
+    ran(joined({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
+                "--width", "640", "--height", "480"},
+               more));
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
         pictures[entry.path().stem().string()] = slurp(entry.path());

@@ -30,9 +30,9 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     }
     const Words refuses{"participant", session.file, "P1", "--consent", "no"};
     CHECK_THAT(palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
-    const TemporaryFolder folder;
-    const std::string other = folder.file("other.sqlite");
-    for (const auto& [into, from] : {std::pair(other, session.file), {session.file, other}}) {
+    const TemporaryFile other("other.sqlite");
+    for (const auto& [into, from] :
+         {std::pair<std::string, std::string>(other, session.file), {session.file, other}}) {
         CHECK_THAT(ran({"merge", into, from}).error,
                    Has(session.file + ": a session runs on it, and goes on"));
     }

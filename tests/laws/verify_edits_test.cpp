@@ -60,14 +60,10 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
     database.execute("PRAGMA foreign_keys = OFF");
     // Ids of the first two such trials; a position that was run again felt and answered the same.
     const auto two = [&](const std::string& where) {
-        auto row = database.prepare("SELECT min(trial_id) FROM trial WHERE " + where +
-                                    " GROUP BY plan_position ORDER BY 1 LIMIT 2");
-        std::pair<std::int64_t, std::int64_t> ids;
-        REQUIRE(row.step());
-        ids.first = row.integer(0);
-        REQUIRE(row.step());
-        ids.second = row.integer(0);
-        return ids;
+        const auto ids =
+            integers(database.prepare("SELECT min(trial_id) FROM trial WHERE " + where +
+                                      " GROUP BY plan_position ORDER BY 1 LIMIT 2"));
+        return std::pair(ids.at(0), ids.at(1));
     };
     Words edits;
     for (const std::string where : {"session_id = 1 AND outcome IN ('complete', 'timed_out')",
