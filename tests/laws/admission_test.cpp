@@ -6,7 +6,7 @@
 // transaction that begins the session: by the shipped program, before a commissioned rig.
 
 TEST_CASE("what is noted or run while the rig's questions wait is asked for as the session begins",
-          "[commission][haply][consent][law]") {
+          "[haply]") {
     EACH(one, from_range(test_rows("meanwhile.tsv")));
     const std::string& before = one.at(1);
     const std::string& does = one.at(2);

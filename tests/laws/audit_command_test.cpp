@@ -6,7 +6,7 @@
 
 using namespace palpate::data;
 
-TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
+TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %") {
     // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to
     // 2.2930053.
     const std::vector<double> sleep{1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4};
@@ -24,8 +24,7 @@ TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audi
     CHECK_FALSE(equivalence(std::vector{0.7}, 0.5));
 }
 
-TEST_CASE("a difference as large as the bound is called the same in 5 % of samples",
-          "[audit][law]") {
+TEST_CASE("a difference as large as the bound is called the same in 5 % of samples") {
     Random random(7);
     constexpr int kSamples = 4000;
     const double bound = random.coin() ? 1.0 : -1.0;
@@ -45,8 +44,7 @@ TEST_CASE("a difference as large as the bound is called the same in 5 % of sampl
     CHECK(share < 0.05 + 0.014);
 }
 
-TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not",
-          "[audit][law]") {
+TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not") {
     const TemporaryFile file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         ran(run_words(kFourTrials, person, file, {"--device", "sim"}));
@@ -90,7 +88,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
                Has("nothing in answered trials of real sessions of the study four_trials: "));
 }
 
-TEST_CASE("no number is made of the answers of who does not consent", "[audit][stats][report]") {
+TEST_CASE("no number is made of the answers of who does not consent") {
     const TemporaryFolder folder;
     const auto record = [&](const std::string& name, const Words& codes) {
         for (const std::string& code : codes) {

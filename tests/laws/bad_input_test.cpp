@@ -1,8 +1,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
 
-TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, nothing is created",
-          "[cli][law]") {
+TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, nothing is created") {
     for (const auto& row : test_rows("wrong_demo.tsv")) {
         CAPTURE(row);
         const TemporaryFolder folder;
@@ -17,8 +16,7 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
     }
 }
 
-TEST_CASE("wrong words on the command line get a sentence and exit code 2, and create nothing",
-          "[cli][law]") {
+TEST_CASE("wrong words on the command line get a sentence and exit code 2, and create nothing") {
     const TemporaryFolder folder;
     const std::map<std::string, std::string> meant{
         {"{db}", folder.file("d.sqlite")},
@@ -39,7 +37,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
     }
 }
 
-TEST_CASE("a font that does not open is refused before anything is made", "[cli][law]") {
+TEST_CASE("a font that does not open is refused before anything is made") {
     const TemporaryFolder folder;
     const std::string text = folder.file("text");
     write(text, "no font\n");
@@ -56,7 +54,7 @@ TEST_CASE("a font that does not open is refused before anything is made", "[cli]
     }
 }
 
-TEST_CASE("what is no finite number is refused by every word that takes one", "[cli][law]") {
+TEST_CASE("what is no finite number is refused by every word that takes one") {
     const TemporaryFolder folder;
     const std::vector<Words> commands{
         {"commission", "-o", folder.file("r.toml"), "--handle-g"},
@@ -92,7 +90,7 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
     CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("a replay of a file that is not there is said before anything is created", "[cli]") {
+TEST_CASE("a replay of a file that is not there is said before anything is created") {
     const TemporaryFolder folder;
     const Finished run = palpate_command(
         run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
@@ -102,13 +100,13 @@ TEST_CASE("a replay of a file that is not there is said before anything is creat
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
+TEST_CASE("help and version go to standard output with exit code 0") {
     ran({"--help"});
     CHECK_THAT(palpate_command({"--help"}).out, Has("run", "demo", "summary"));
     CHECK_THAT(palpate_command({"--version"}).out, Has("palpate "));
 }
 
-TEST_CASE("a finished session is not run again by mistake", "[cli]") {
+TEST_CASE("a finished session is not run again by mistake") {
     const TemporaryFile file("d.sqlite");
     const Words words = run_words("shape_friction_demo", "P1", file, {"--headless"});
     ran(words);
@@ -116,8 +114,7 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     ran(joined(words, {"--session", "2"}));
 }
 
-TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file",
-          "[cli][law]") {
+TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file") {
     const TemporaryFolder folder;
     const auto run = [&](Words more) {
         Words words =
@@ -135,7 +132,7 @@ TEST_CASE("a session number that leaves a gap is refused, unless the others are 
     CHECK(run({"--session", "5", "--elsewhere"}).code == 0);
 }
 
-TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2", "[cli][law]") {
+TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
@@ -155,7 +152,7 @@ TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2
     CHECK_FALSE(std::filesystem::exists(folder.file("e.sqlite")));
 }
 
-TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli][law]") {
+TEST_CASE("a session goes on to its end when nobody reads what it prints") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     // A pipe whose reader is gone from the start, for both kinds of output.
@@ -181,8 +178,7 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
 }
 
 TEST_CASE(
-    "a database that is somebody else's, or has no name, is a wrong word: exit code 2, untouched",
-    "[cli][law]") {
+    "a database that is somebody else's, or has no name, is a wrong word: exit code 2, untouched") {
     const TemporaryFolder folder;
     const std::string file = folder.file("letters.txt");
     std::ofstream(file) << "Dear participant, thank you for coming.\n";
@@ -198,8 +194,7 @@ TEST_CASE(
     CHECK(line == "Dear participant, thank you for coming.");
 }
 
-TEST_CASE("a word that nobody knows is named, with the one that is meant, and nothing is made",
-          "[cli][law]") {
+TEST_CASE("a word that nobody knows is named, with the one that is meant, and nothing is made") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
     for (const auto& row : test_rows("mistyped.tsv")) {  // words, what is said, and what is meant
@@ -225,8 +220,7 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
                Has("no table or view trail: did you mean trial?"));
 }
 
-TEST_CASE("a code much like one that is there is asked about, and nobody is made of a slip",
-          "[cli][people][law]") {
+TEST_CASE("a code much like one that is there is asked about, and nobody is made of a slip") {
     const TemporaryFile db("d.sqlite");
     const auto run = [&](Words words) {
         words.insert(words.begin(),
@@ -262,8 +256,7 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
 }
 
 TEST_CASE(
-    "what a full disk keeps from standard output is no success, and a pipe that was closed is",
-    "[cli][law]") {
+    "what a full disk keeps from standard output is no success, and a pipe that was closed is") {
     const TemporaryFile data("fit.csv");
     std::ofstream(data) << "stimulus,n,k\n-1,40,9\n0,40,21\n1,40,30\n";
     for (const std::string& words : {std::string("sequence shape_friction_demo --participant P1"),
@@ -280,8 +273,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a file that may not grow is as a full disk: a sentence, and nothing half-made",
-          "[cli][disk][law]") {
+TEST_CASE("a file that may not grow is as a full disk: a sentence, and nothing half-made") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));

@@ -2,8 +2,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
-TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick",
-          "[study][law]") {
+TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick") {
     const TemporaryFile file("d.sqlite");
     ran(run_words("shape_friction", "P1", file, {"--headless"}));
     data::Database database(file, data::Access::read);

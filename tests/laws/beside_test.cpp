@@ -53,8 +53,7 @@ std::string answers(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on",
-          "[crash][law]") {
+TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(words(file));
@@ -71,8 +70,7 @@ TEST_CASE("a file deleted in the midst of a trial is there again, and the same c
     check_clean(file);
 }
 
-TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed with that log",
-          "[crash][law]") {
+TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed with that log") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string copy = folder.file("copy.sqlite");
@@ -95,8 +93,7 @@ TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed
     CHECK(answers(file) == "20\n");
 }
 
-TEST_CASE("a file of two names is written under none of them, and no answer is lost",
-          "[crash][law]") {
+TEST_CASE("a file of two names is written under none of them, and no answer is lost") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string second = folder.file("second.sqlite");
@@ -111,8 +108,7 @@ TEST_CASE("a file of two names is written under none of them, and no answer is l
     check_clean(file);
 }
 
-TEST_CASE("of a session's file nobody reads a second name, and is told which to use",
-          "[crash][law]") {
+TEST_CASE("of a session's file nobody reads a second name, and is told which to use") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string second = folder.file("second.sqlite");
@@ -123,7 +119,7 @@ TEST_CASE("of a session's file nobody reads a second name, and is told which to 
     check_clean(file);
 }
 
-TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere", "[crash][law]") {
+TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::filesystem::create_symlink("nowhere/x", file);
@@ -138,8 +134,7 @@ TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere"
     ran(words(file));
 }
 
-TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays",
-          "[crash][law]") {
+TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string moved = folder.file("moved.sqlite");
@@ -172,7 +167,7 @@ TEST_CASE("no new file begins beside the log of one that was moved away, and tha
     ran({"verify", file});
 }
 
-TEST_CASE("what a crash left is exported, with the log beside it", "[crash][export][law]") {
+TEST_CASE("what a crash left is exported, with the log beside it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(words(file));
@@ -181,8 +176,7 @@ TEST_CASE("what a crash left is exported, with the log beside it", "[crash][expo
     ran({"report", file, "--kind", "simulated", "-o", folder.file("report.html")});
 }
 
-TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place",
-          "[crash][law]") {
+TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place") {
     const TemporaryFile file("d.sqlite");
     const auto running = run_to_third(file);
     CHECK(running->ended_by(SIGTERM) == 3);
@@ -194,8 +188,7 @@ TEST_CASE("rows deleted by hand are said in a sentence where new ones take their
     CHECK_THAT(end.error, !Has("INSERT"));
 }
 
-TEST_CASE("where too few files may be open nobody is said to have written over one",
-          "[crash][law]") {
+TEST_CASE("where too few files may be open nobody is said to have written over one") {
     std::string said;
     for (const char* files : {"10", "11", "12", "13"}) {
         const TemporaryFolder folder;

@@ -21,7 +21,7 @@ bool only_shows(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][law]") {
+TEST_CASE("what a terminal is sent is only shown, whatever the bytes") {
     Random random(10);
     for (int i = 0; i < 2'000; ++i) {
         std::string bytes;
@@ -41,8 +41,7 @@ TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][la
     CHECK(plain("çukur, 凹\n\tx") == "çukur, 凹  x");
 }
 
-TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can be read back",
-          "[data][law]") {
+TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can be read back") {
     const auto back = [](std::string field) {  // as csv_text.hpp says
         if (field.size() >= 2 && field.front() == '"') {
             field = field.substr(1, field.size() - 2);
@@ -68,7 +67,7 @@ TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can
     }
 }
 
-TEST_CASE("nothing that a file holds is an order to the terminal of who reads it", "[cli][law]") {
+TEST_CASE("nothing that a file holds is an order to the terminal of who reads it") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
     ran(run_words("shape_friction_demo", "P1", db, {"--headless", "--operator", "@SUM(A1)"}));

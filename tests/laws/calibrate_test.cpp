@@ -18,8 +18,7 @@ constexpr double kHidden[] = {0.2345, -0.1234};
 }  // namespace
 
 TEST_CASE(
-    "calibrate finds the hidden zeros of a simulated machine, and writes what a session reads",
-    "[calibrate][law]") {
+    "calibrate finds the hidden zeros of a simulated machine, and writes what a session reads") {
     const TemporaryFolder folder;
     const std::string preset = GENERATE("haplet", "2diy_gen2", "2diy_gen3", "mk2");
     const std::string marks = GENERATE("", "--mark 0,20", "--mark=-30,0 --mark 30,0 --mark 0,35");
@@ -45,7 +44,7 @@ TEST_CASE(
     REQUIRE(calibrate("--preset " + file + " " + marks + " -o " + again).code == 0);
 }
 
-TEST_CASE("calibrate finds counts per turn when asked, with three marks", "[calibrate]") {
+TEST_CASE("calibrate finds counts per turn when asked, with three marks") {
     const TemporaryFile file("desk.toml");
     ended(calibrate("--scale --mark=-30,0 --mark 30,0 --mark 0,35 -o " + file));
     const auto axes = protocols::load_calibration(file).pantograph.axes;
@@ -53,8 +52,7 @@ TEST_CASE("calibrate finds counts per turn when asked, with three marks", "[cali
     CHECK(std::fabs(axes[1].counts_per_turn / 65536.0 - 1.0) < 1e-3);
 }
 
-TEST_CASE("calibrate says that marks at one place prove nothing, however many",
-          "[calibrate][law]") {
+TEST_CASE("calibrate says that marks at one place prove nothing, however many") {
     const TemporaryFolder folder;
     const auto said = [&](const std::string& marks) {
         return ended(calibrate(marks + " -o " + folder.file("desk.toml"))).out;
@@ -65,7 +63,7 @@ TEST_CASE("calibrate says that marks at one place prove nothing, however many",
     CHECK_THAT(said("--mark 0,20 --mark 0,20 --mark 0,31"), !Has("always met"));
 }
 
-TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[calibrate]") {
+TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file") {
     const TemporaryFolder folder;
     const std::string file = folder.file("desk.toml");
     check_end(calibrate("--scale --mark 0,0 --mark 10,0 --mark 20,0 -o " + file), 1,
@@ -75,8 +73,7 @@ TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[ca
     CHECK(calibrate("-o " + folder.file("no/such/folder.toml")).code != 0);
 }
 
-TEST_CASE("calibrate leaves a commissioning record as it is, and takes no damping from one",
-          "[calibrate][commission][law]") {
+TEST_CASE("calibrate leaves a commissioning record as it is, and takes no damping from one") {
     const TemporaryFolder folder;
     const std::string rig = commissioned_rig(folder, "haply:/dev/one", "mk2");
     const std::string sealed = slurp(rig);
@@ -97,8 +94,7 @@ TEST_CASE("calibrate leaves a commissioning record as it is, and takes no dampin
     CHECK_FALSE(protocols::load_calibration(other).pantograph.damping);
 }
 
-TEST_CASE("a session whose calibration cannot be is refused before a file is made",
-          "[calibration][law]") {
+TEST_CASE("a session whose calibration cannot be is refused before a file is made") {
     const TemporaryFolder folder;
     for (const char* kind : {"pilot", "real"}) {
         const Finished run =
@@ -110,7 +106,7 @@ TEST_CASE("a session whose calibration cannot be is refused before a file is mad
     }
 }
 
-TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
+TEST_CASE("a calibration that no desk-top machine has is refused at its place") {
     const TemporaryFolder folder;
     const std::string file = folder.file("c.toml");
     std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");

@@ -231,7 +231,7 @@ RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& chang
 }  // namespace
 
 TEST_CASE("whatever becomes of a rig between two trials, none that is not right is believed",
-          "[safety][trust][law]") {
+          "[safety]") {
     const RigRecord record = Bench().commissioned();
     int right = 0;
     int right_proved = 0;
@@ -268,7 +268,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
 }
 
 TEST_CASE("whoever mends a motor may move an encoder: its place is proved again before it is felt",
-          "[safety][trust][law]") {
+          "[safety]") {
     const RigRecord record = Bench().commissioned();
     const bool slips = GENERATE(false, true);
     for (const std::uint64_t seed : schedules(6)) {
@@ -301,8 +301,7 @@ TEST_CASE("whoever mends a motor may move an encoder: its place is proved again 
     }
 }
 
-TEST_CASE("a break's looks find the place again once refused pulses are right",
-          "[session][trust][law]") {
+TEST_CASE("a break's looks find the place again once refused pulses are right") {
     World world;
     ChangingRig rig(world, 1, engine::Trip::none);  // first its place is refused, then its pulses
     rig.change();

@@ -13,8 +13,7 @@ std::string commissioning(const FreeBoard& board, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("commission writes a calibration with the damping it found, its record and their hash",
-          "[commission][law]") {
+TEST_CASE("commission writes a calibration with the damping it found, its record and their hash") {
     const TemporaryFile file("rig.toml");
     CHECK_THAT(ran({"commission", "-o", file}).out,
                Has("usable stiffness at 1 kHz", "dry friction"));
@@ -44,8 +43,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
 }
 
 TEST_CASE(
-    "a real session on a rig without a fitting record is refused with what to do, before a file",
-    "[commission][law]") {
+    "a real session on a rig without a fitting record is refused with what to do, before a file") {
     const TemporaryFolder folder;
     const auto run = [&](const std::string& device, const std::string& calibration) {
         const Words words =
@@ -71,7 +69,7 @@ TEST_CASE(
 }
 
 TEST_CASE("of a record of another device nothing is believed, and the command that is named works",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string study = folder.file("stiff.toml");
@@ -124,7 +122,7 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
 }
 
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--handle-g 120 --handle-damping 0.5 --handle-friction 0.03");
     const std::string commission = "commission --handle-g 120 --device " + board.word() + " -o '" +
@@ -150,7 +148,7 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
 }
 
 TEST_CASE("the example of a device behind UDP is commissioned as a board is, and needs its record",
-          "[commission][open][law]") {
+          "[open]") {
     const TemporaryFolder folder;
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
     FreeBoard device(folder, free_port());
@@ -180,8 +178,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     check_end(moved, 2, Has("nobody proved how --device board:udp:"));
 }
 
-TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file",
-          "[commission][haply][law]") {
+TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file", "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     board.hold();
@@ -192,7 +189,7 @@ TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file"
 }
 
 TEST_CASE("a board with a motor reversed is refused by commission, and by the opening of a session",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     engine::Calibration reversed = protocols::load_calibration("2diy_gen3");
     reversed.haply->motor_clockwise[0] = true;
@@ -211,7 +208,7 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
 }
 
 TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, before any session",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     EACH(at, as<std::string>{}, "0,93.3", "-10,89.3", "0,77.3");
     FreeBoard board(folder, "--at=" + at);
@@ -225,7 +222,7 @@ TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, 
 }
 
 TEST_CASE("a handle that was not brought to a mark is refused there, with no torque so far",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     TypedTo program(folder, "desk", commissioning(board, folder.file("rig.toml")));
@@ -247,7 +244,7 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
 
 TEST_CASE(
     "a stiffness or a delay that the device's damping does not bear is refused, before a file",
-    "[commission][haply][law]") {
+    "[haply]") {
     const TemporaryFolder folder;
     engine::Calibration damped = protocols::load_calibration("2diy_gen3");
     damped.pantograph.damping = 0.8;  // at 200 N/m and 1 kHz: 3.5 ticks; with one tick: 533 N/m
@@ -270,7 +267,7 @@ TEST_CASE(
 }
 
 TEST_CASE("commission says where home is and asks until somebody says yes, with no torque before",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     TypedTo program(folder, "desk", commissioning(board, folder.file("rig.toml")));

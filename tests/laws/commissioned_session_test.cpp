@@ -7,7 +7,7 @@
 
 TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
-    "[commission][haply][window][law]") {
+    "[haply][window]") {
     const TemporaryFolder folder;
     const bool open = GENERATE(false, true);
     FreeBoard board(folder, open ? "--open" : "");
@@ -96,7 +96,7 @@ TEST_CASE(
 }
 
 TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing",
-          "[commission][haply][window][safety][law]") {
+          "[haply][window][safety]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
@@ -118,8 +118,7 @@ TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing
     CHECK(run.end().code == 3);
 }
 
-TEST_CASE("an opening that lost home says so, and blames no motor and no operator",
-          "[commission][haply][law]") {
+TEST_CASE("an opening that lost home says so, and blames no motor and no operator", "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
@@ -167,7 +166,7 @@ TEST_CASE("an opening that lost home says so, and blames no motor and no operato
 TEST_CASE(
     "after a replug nothing is felt before home, second mark and pulses, and the experimenter's "
     "chord",
-    "[commission][haply][window][law]") {
+    "[haply][window]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
     const std::string rig = commissioned_rig(folder, board->word());
@@ -247,7 +246,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a session is felt on the calibration that was checked, whatever its file becomes then",
-          "[commission][open][window][law]") {
+          "[open][window]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--open");
     const std::string rig = commissioned_rig(folder, board.word());
@@ -265,8 +264,7 @@ TEST_CASE("a session is felt on the calibration that was checked, whatever its f
     ran({"verify", folder.file("d.sqlite")});
 }
 
-TEST_CASE("who is noted as not consenting is never run, and no device is touched",
-          "[commission][consent][law]") {
+TEST_CASE("who is noted as not consenting is never run, and no device is touched") {
     const TemporaryFolder folder;
     const std::string device = "haply:" + folder.file("none");
     const std::string rig = commissioned_rig(folder, device);

@@ -12,7 +12,7 @@ const std::string kNotes = events_of("note");
 }  // namespace
 
 TEST_CASE("whatever becomes of the page's server and its clients, the session loses nothing",
-          "[console][law]") {
+          "[console]") {
     ShownSession session("shape_friction", {"4"});
     Random random(33);
     std::vector<std::unique_ptr<Console>> stopped;
@@ -52,7 +52,7 @@ TEST_CASE("whatever becomes of the page's server and its clients, the session lo
     CHECK(palpate_command({"verify", session.file}).code == 0);
 }
 
-TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety][law]") {
+TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety]") {
     ShownSession session;
     const Console console(session);
     Browser& browser = *console.browser;
@@ -120,7 +120,7 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
 }
 
 TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held open",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const Console console(session);
     Browser& browser = *console.browser;
@@ -155,7 +155,7 @@ TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held o
 }
 
 TEST_CASE("other machines come by TLS alone, and only look unless they may act",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const TemporaryFolder folder;
     const std::string cert = folder.file("cert.pem");
@@ -232,7 +232,7 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
 }
 
 TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and nothing is kept",
-          "[console][law]") {
+          "[console]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("mine.toml");
     write(file, slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"));

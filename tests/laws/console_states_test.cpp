@@ -34,7 +34,7 @@ struct Told {
 }  // namespace
 
 TEST_CASE("in every state the page says what is, bars what cannot be asked, and can be read",
-          "[console][law]") {
+          "[console]") {
     if (!DevTools::installed()) {
         return;
     }

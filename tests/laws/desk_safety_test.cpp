@@ -18,7 +18,7 @@ double locked_mb(pid_t process) {
 }  // namespace
 
 TEST_CASE("a screen that stands still ends the force, which a live one with the key held does not",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     std::optional<PressedDesk> lasting;
     // A machine that is too busy to draw for so long has a screen that stands still: then once
     // more.
@@ -48,7 +48,7 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
 }
 
 TEST_CASE("a board that is kept from answering for 20 ms takes the force away, and ends no trial",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     PressedDesk desk(PressingHand::Does::presses);
     // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same
     // trial.
@@ -87,7 +87,7 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
 }
 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     const bool buzzes = GENERATE(true, false);
     // A machine too busy for the emulated board's motion, as under sanitizers, gets another hand.
     CHECK(tried(4, [&] {
@@ -102,7 +102,7 @@ TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with
 
 TEST_CASE(
     "however a session's program ends under a force, the guard ends the force, and it stays off",
-    "[window][haply][guard][law]") {
+    "[window][haply]") {
     PressedDesk desk(PressingHand::Does::presses);
     REQUIRE(desk.feel());
     desk.session->program().signal(GENERATE(SIGHUP, SIGQUIT, SIGSEGV, SIGABRT));
@@ -112,7 +112,7 @@ TEST_CASE(
 
 TEST_CASE(
     "in its window the program's guard ends the force when it dies, and it when its guard does",
-    "[window][haply][guard][law]") {
+    "[window][haply]") {
     const TemporaryFolder path;  // a system that can be asked to stay awake
     const std::string asked = path.file("asked");
     const std::string tool = path.file("systemd-inhibit");
@@ -157,7 +157,7 @@ TEST_CASE(
 }
 
 TEST_CASE("who lets go of the key goes on by it, and the terminal says that no chord is needed",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     CHECK(tried(4, [&] {  // a busy machine may end the force for another reason
         PressedDesk desk(PressingHand::Does::presses);
         REQUIRE(desk.feel());

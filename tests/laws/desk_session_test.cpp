@@ -112,7 +112,7 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 }  // namespace
 
 TEST_CASE("pauses and marks on every screen of a session with the pointer are obeyed",
-          "[long][window][desk][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
     Desk desk(folder,
               edited(four_trials(), {{"break_every = 0", "break_every = 1"},
@@ -196,7 +196,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
 }
 
 TEST_CASE("so are those between two intervals, at the confidence and in trouble",
-          "[long][window][desk][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
     Desk desk(folder, board_study(), "sim");
     desk.at("welcome", "space");
@@ -235,7 +235,7 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
 }
 
 TEST_CASE("on a board a pause and a mark before the first trial begin no force",
-          "[window][desk][haply][law]") {
+          "[window][haply]") {
     const TemporaryFolder folder;
     const bool at_a_port = GENERATE(true, false);
     Process board({palpate_program(), "haply-emulator", "--link", folder.file("board")});

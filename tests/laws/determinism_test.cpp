@@ -20,8 +20,7 @@ std::string demo_hash(const std::string& file, const std::string& seed) {
 // sanitizer and x86-64 machine, or a recorded trace would not replay there. It changes only with
 // the stimulus, the law, the schedule, the schema or the demo's secret, and whoever changes one of
 // these writes it anew.
-TEST_CASE("same seed, same plan, same content: in two runs, and in every build",
-          "[determinism][law]") {
+TEST_CASE("same seed, same plan, same content: in two runs, and in every build") {
     const TemporaryFolder folder;
     const std::string first = demo_hash(folder.file("a.sqlite"), "1");
     CHECK(demo_hash(folder.file("b.sqlite"), "1") == first);
@@ -29,8 +28,7 @@ TEST_CASE("same seed, same plan, same content: in two runs, and in every build",
     CHECK(first == "82e0d89f6f25560ad8f266dad4f198efbae3ed583bb79b56c1bef7a418e268c6");
 }
 
-TEST_CASE("a wall clock that jumps by days while a session runs changes nothing but its dates",
-          "[determinism][law]") {
+TEST_CASE("a wall clock that jumps by days while a session runs changes nothing but its dates") {
     const TemporaryFolder folder;
     const auto hash = [&](const std::string& file, const Words& environment) {
         ended(Process({palpate_program(), "demo", "--headless", "--speed", "20", "--db", file,

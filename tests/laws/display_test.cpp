@@ -55,7 +55,7 @@ Forces forces_of(const std::string& file, std::int64_t trial) {
 }  // namespace
 
 TEST_CASE("a display that cannot be opened is said before anything is made, and fails the doctor",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     const Words sim = words(folder, kFourTrials, "sim");
     for (const auto& arguments :
@@ -78,7 +78,7 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
 }
 
 TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, and all else works",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     const TemporaryFolder broken;
     for (const char* name : {"libSDL2-2.0.so.0", "libSDL2_ttf-2.0.so.0", "libmicrohttpd.so.12"}) {
@@ -105,7 +105,7 @@ TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, a
 }
 
 TEST_CASE("a monitor that is not there is refused with those that are, before anything is made",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     Xvfb screen(800, 600, true);
     for (const auto& [number, why] :
@@ -118,7 +118,7 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
 }
 
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
-          "[long][window][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"),
           replaced(four_trials(), "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n"));
@@ -153,7 +153,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
 
 TEST_CASE(
     "a frame that comes after its window has its place on the screen, and then people move it",
-    "[window][law]") {
+    "[window]") {
     const TemporaryFolder folder;
     const WindowSession::Screen screen =
         GENERATE(WindowSession::Screen{1280, 800}, WindowSession::Screen{800, 600});
@@ -177,7 +177,7 @@ TEST_CASE(
 }
 
 TEST_CASE("when the display dies the force ends, the trial is kept, and the same command goes on",
-          "[long][window][fault][law]") {
+          "[long][window]") {
     EACH(where, as<std::string>{}, "explore", "question", "break");
     const TemporaryFolder folder;
     write(folder.file("p.toml"), replaced(four_trials(), "break_every = 0", "break_every = 1"));
@@ -222,7 +222,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
 TEST_CASE(
     "after a disk that fails the participant is asked for a moment, until the experimenter has "
     "come",
-    "[window][fault][law]") {
+    "[window]") {
     const TemporaryFolder folder;
     const Words run = joined(words(folder), {"--kind", "pilot"});
     std::signal(SIGXFSZ, SIG_IGN);  // the program inherits it

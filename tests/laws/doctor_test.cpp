@@ -3,8 +3,7 @@
 #include "tests/support/program.hpp"
 
 TEST_CASE(
-    "the doctor's JSON is valid and whole, and its exit code is 1 exactly when a check failed",
-    "[cli][doctor][law]") {
+    "the doctor's JSON is valid and whole, and its exit code is 1 exactly when a check failed") {
     const TemporaryFolder folder;
     // Every check of the issue's list is there once, with a status, a detail where all is well and a
     // remedy where not; prints how many have failed.
@@ -22,8 +21,7 @@ TEST_CASE(
     CHECK(folder.names() == Words{"doctor.json"});
 }
 
-TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many",
-          "[cli][doctor]") {
+TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many") {
     const TemporaryFile file("d.sqlite");
     const Finished doctor = palpate_command({"doctor", "--seconds", "0.1", "--device", "mouse",
                                              "--protocol", "shape_friction_demo", "--db", file});
@@ -32,8 +30,7 @@ TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many
     CHECK(doctor.out.find_first_of("owf") == 0);
 }
 
-TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other",
-          "[cli][doctor][law]") {
+TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other") {
     const TemporaryFile file("d.sqlite");
     const auto [device, environment, status, code] =
         GENERATE(table<std::string, std::string, std::string, int>(
@@ -56,7 +53,7 @@ TEST_CASE("without a display the doctor fails a device that run refuses for it, 
     CHECK((code == 3 || end.error.find("needs a display and a window") != std::string::npos));
 }
 
-TEST_CASE("the doctor fails a place for the data that run refuses", "[cli][doctor][law]") {
+TEST_CASE("the doctor fails a place for the data that run refuses") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes.txt")) << "rested after trial 40\n";
     for (const std::string& db : {folder.file("notes.txt"), folder.path().string()}) {
@@ -73,7 +70,7 @@ TEST_CASE("the doctor fails a place for the data that run refuses", "[cli][docto
 
 TEST_CASE(
     "while the doctor looks at a board and calibrate reads its marks, no motor gives a torque",
-    "[doctor][calibrate][haply][law]") {
+    "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     std::set<std::string> given;

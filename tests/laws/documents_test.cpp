@@ -125,8 +125,7 @@ bool is_the_launchers(const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere",
-          "[documents][law]") {
+TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere") {
     int links = 0;
     for (const fs::path& page : pages()) {
         for (const std::string& target : between(prose_of(page), "](", ")")) {
@@ -149,8 +148,7 @@ TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere",
     CHECK(links > 80);
 }
 
-TEST_CASE("README fits into 150 lines, and says near its top that nothing was tried on hardware",
-          "[documents]") {
+TEST_CASE("README fits into 150 lines, and says near its top that nothing was tried on hardware") {
     const auto lines = lines_of(kRoot / "README.md");
     CHECK(lines.size() <= 150);
     const auto line_of_it = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
@@ -159,7 +157,7 @@ TEST_CASE("README fits into 150 lines, and says near its top that nothing was tr
     CHECK(line_of_it - lines.begin() < 20);
 }
 
-TEST_CASE("every command that a document shows exists, with every option", "[documents][law]") {
+TEST_CASE("every command that a document shows exists, with every option") {
     int commands = 0;
     for (const fs::path& page : pages()) {
         Words shown = shell_lines(page);
@@ -191,8 +189,7 @@ TEST_CASE("every command that a document shows exists, with every option", "[doc
 }
 
 TEST_CASE(
-    "the study of README goes from registration to export as printed, rehearsed without a rig",
-    "[documents][law]") {
+    "the study of README goes from registration to export as printed, rehearsed without a rig") {
     const TemporaryFolder folder;
     fs::create_symlink(palpate_program(), folder.path() / "palpate");
     const auto lines = shell_lines(kRoot / "README.md");
@@ -236,7 +233,7 @@ TEST_CASE(
     CHECK(fs::exists(folder.path() / "shared" / "dataset_description.json"));
 }
 
-TEST_CASE("docs/devices.md names each limit and maker the group is trusted with", "[documents]") {
+TEST_CASE("docs/devices.md names each limit and maker the group is trusted with") {
     const std::string said = prose_of(kRoot / "docs/devices.md");
     const std::string given = prose_of(kRoot / "cmake/debian/70-palpate.rules") +
                               prose_of(kRoot / "cmake/debian/limits.conf");
@@ -248,7 +245,7 @@ TEST_CASE("docs/devices.md names each limit and maker the group is trusted with"
     }
 }
 
-TEST_CASE("every query that a document shows in a shell answers", "[documents][law]") {
+TEST_CASE("every query that a document shows in a shell answers") {
     const TemporaryFolder folder;
     fs::create_symlink(palpate_program(), folder.path() / "palpate");
     ran({"demo", "--headless", "--db", folder.file("study.sqlite")});
@@ -268,8 +265,7 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
     CHECK(queries >= 4);
 }
 
-TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names",
-          "[documents][law]") {
+TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names") {
     const fs::path page = kRoot / "docs" / "protocol.md";
     std::string scene;
     std::string head;
@@ -294,7 +290,7 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
     }
 }
 
-TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
+TEST_CASE("the drawing of the house has every folder of every room, in order") {
     // From the top of the drawing down; the lists of CMake go up.
     Words drawn;
     for (const std::string& line : lines_of(kRoot / "docs" / "architecture.md")) {
@@ -322,7 +318,7 @@ TEST_CASE("the drawing of the house has every folder of every room, in order", "
     CHECK(drawn == built);
 }
 
-TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents][law]") {
+TEST_CASE("docs/protocol.md has every key as the program reads it") {
     const fs::path page = kRoot / "docs" / "protocol.md";
     const std::string text = slurp(page);
     const std::string heading = "## Every key\n";

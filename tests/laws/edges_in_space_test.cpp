@@ -190,8 +190,7 @@ std::vector<WavySide> wavy(Random& random) {
 }  // namespace
 
 TEST_CASE(
-    "a wedge and a groove are felt in space as in the plane and its mirror, friction in its cone",
-    "[cli][surface][law]") {
+    "a wedge and a groove are felt in space as in the plane and its mirror, friction in its cone") {
     // In 51 the god-object stood on the patch that leads out, and the other one holds it.
     const auto seed = GENERATE(seeds(16U), value(51U));
     Random random(seed + 4100U);
@@ -222,8 +221,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "without friction a god-object goes to the first foot of its way in space as in the plane",
-    "[cli][surface][law]") {
+    "without friction a god-object goes to the first foot of its way in space as in the plane") {
     const auto seed = GENERATE(seeds(12U));
     CAPTURE(seed);
     Random random(seed + 4200U);
@@ -255,8 +253,7 @@ TEST_CASE(
     check_alike(plane, space, {"fx_n", "up"}, 1e-6);
 }
 
-TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane",
-          "[cli][surface][law]") {
+TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane") {
     const auto seed = GENERATE(seeds(8U));
     Random random(seed + 4400U);
     const engine::Vec2 from{-0.04, random.in(-0.01, 0.01)};
@@ -298,8 +295,7 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
     CHECK(std::ranges::count_if(plane.at("held"), [](double held) { return held > 0.0; }) > 50);
 }
 
-TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror",
-          "[cli][deformation][law]") {
+TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror") {
     const auto seed = GENERATE(seeds(8U));
     Random random(seed + 4300U);
     const double left = random.in(0.15, 0.5);

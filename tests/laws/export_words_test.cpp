@@ -24,8 +24,7 @@ Finished exported(const std::string& file, const std::string& format, const std:
 
 }  // namespace
 
-TEST_CASE("the label of a study means one version for ever, and says which by its hash",
-          "[export][protocol][law]") {
+TEST_CASE("the label of a study means one version for ever, and says which by its hash") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     std::set<std::string> all{"fourtrials"};  // labels that meant something else before
@@ -69,8 +68,7 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
     CHECK_THAT(slurp(folder.file("two/sessions.csv")), !Has(",fourtrials,1,"));
 }
 
-TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them",
-          "[export][law]") {
+TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(yes_no(folder), "P1", file, {"--headless"}));
@@ -86,8 +84,7 @@ TEST_CASE("R reads conditions that are called by numbers as a quickpsy export ha
     }
 }
 
-TEST_CASE("an export without a session, or without ticks, says why there are none",
-          "[export][law]") {
+TEST_CASE("an export without a session, or without ticks, says why there are none") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string out = folder.file("out");
@@ -105,7 +102,7 @@ TEST_CASE("an export without a session, or without ticks, says why there are non
     CHECK_FALSE(std::filesystem::exists(out));
 }
 
-TEST_CASE("the folder of an export says first what it is", "[export]") {
+TEST_CASE("the folder of an export says first what it is") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});

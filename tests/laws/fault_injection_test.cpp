@@ -322,7 +322,7 @@ void run(std::uint64_t seed, Tally& tally) {
 }  // namespace
 
 TEST_CASE("no injected fault gets a force above the limit, stays unlatched or unrecorded",
-          "[safety][law]") {
+          "[safety]") {
     Tally tally;
     for (const std::uint64_t seed : schedules(cases(10'000))) {
         run(seed, tally);

@@ -37,8 +37,7 @@ void not_fitted(const Words& words, const std::string& why) {
 
 }  // namespace
 
-TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what R's glm says",
-          "[fit][law]") {
+TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what R's glm says") {
     if (!has_r()) {
         return;
     }
@@ -71,7 +70,7 @@ TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what 
 // Values: psignifit 3 (github.com/mih/Psignifit-3.x, tests/interface_test.py,
 // TestMapestimate.test_old_doctest), two alternatives, logistic of (x - a) / b, lapses flat in 0 to
 // 0.1. Its search stops where the deviance is 2e-8 above the least.
-TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][law]") {
+TEST_CASE("palpate fit says of psignifit's example what psignifit says") {
     const TemporaryFile file("d.csv");
     write(file, "stimulus,n,k\n0,50,34\n2,50,32\n4,50,40\n6,50,48\n8,50,50\n10,50,48\n");
     const Json all = fitted(
@@ -84,7 +83,7 @@ TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][
     CHECK(curve["deviance"].get<double>() <= 8.07133136423);
 }
 
-TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", "[fit][law]") {
+TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes") {
     // The same answers to stimuli 1.3 times as large: slopes are equal, JNDs are not. R 4.2.2,
     // optim of both curves and of both with one JND.
     std::string text = "condition,stimulus,n,k\n";
@@ -102,7 +101,7 @@ TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", 
     }
 }
 
-TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it", "[fit]") {
+TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), kTwoConditions);
     const Words words{"fit",         folder.file("d.csv"),
@@ -145,7 +144,7 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
           palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200"}).out);
 }
 
-TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[fit]") {
+TEST_CASE("palpate fit shows its priors, and what the answers do not bound") {
     const TemporaryFolder folder;
     write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
     const Finished steep = ran({"fit", folder.file("steep.csv"), "--lapse", "0"});
@@ -162,7 +161,7 @@ TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[f
         Has("the share of 1 does not grow with the stimulus", "unbounded: "));
 }
 
-TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy", "[fit]") {
+TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
     for (const auto& row : test_rows("fit_refusals.tsv")) {  // the table, words, and what is said
@@ -173,7 +172,7 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     not_fitted({folder.file("none.csv")}, "none.csv");
 }
 
-TEST_CASE("a table is fitted, and tested, from a pipe too", "[fit][stats]") {
+TEST_CASE("a table is fitted, and tested, from a pipe too") {
     const auto piped = [](const std::string& table, const std::string& words) {
         const std::string line =
             "printf '" + table + "' | '" + palpate_program() + "' " + words + " --json";
@@ -187,8 +186,7 @@ TEST_CASE("a table is fitted, and tested, from a pipe too", "[fit][stats]") {
                 "stats /dev/stdin --simulations 0")["applied"]["answers"] == 1);
 }
 
-TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
-          "[fit][adaptive]") {
+TEST_CASE("palpate fit of a database fits the same answers as that of their counts") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("a.sqlite");
@@ -227,8 +225,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     }
 }
 
-TEST_CASE("who is excluded is not said to have answered badly, and what counts is False, 0 or NA",
-          "[fit][choice][left-out]") {
+TEST_CASE("who is excluded is not said to have answered badly, and what counts is False, 0 or NA") {
     const TemporaryFile file("d.csv");
     const auto table = [&](const char* counts) {
         std::string text = "subject,trial,shape,friction,response,excluded\n";
@@ -255,8 +252,8 @@ TEST_CASE("who is excluded is not said to have answered badly, and what counts i
 }
 
 TEST_CASE(
-    "palpate fit of identifications parts how well from how named, of a database as of its trials",
-    "[fit][choice]") {
+    "palpate fit of identifications parts how well from how named, of a database as of its "
+    "trials") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
@@ -302,8 +299,7 @@ TEST_CASE(
     ran({"fit", file, "--kind", "simulated", "--item", first + "=-12"});
 }
 
-TEST_CASE("palpate fit of identifications says the same in any unit of the items",
-          "[fit][choice][law]") {
+TEST_CASE("palpate fit of identifications says the same in any unit of the items") {
     // Somebody of a simulated study, whose likelihood has hills: of sigmas 0.907 and 0.05 a simplex
     // from 12 starts found it 1.13 below the maximum, so that a first sigma of 0 is not refuted.
     const TemporaryFile file("d.csv");
@@ -327,8 +323,7 @@ TEST_CASE("palpate fit of identifications says the same in any unit of the items
     not_fitted({file, "--item=-10000=-1e308", "--item=10000=1e308"}, "values that differ less");
 }
 
-TEST_CASE("the changes of a person are those of the sigmas beside them, however many conditions",
-          "[fit][choice][law]") {
+TEST_CASE("the changes of a person are those of the sigmas beside them, however many conditions") {
     // Of "mid" R's profile (optim, 12 starts) loses 1.12 of log-likelihood at a ratio of 0.001 and
     // 1.13 at a sigma of 0.02, less than 1.92: neither refutes 0.
     const auto fit_of = [](std::size_t frictions) {
@@ -356,8 +351,7 @@ TEST_CASE("the changes of a person are those of the sigmas beside them, however 
     }
 }
 
-TEST_CASE("biases of items that no confusion links have no ratio, and are said to have none",
-          "[fit][choice][law]") {
+TEST_CASE("biases of items that no confusion links have no ratio, and are said to have none") {
     const TemporaryFolder folder;
     std::string rows = "subject,trial,shape,friction,response\n";
     int trial = 0;

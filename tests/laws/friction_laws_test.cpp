@@ -36,8 +36,7 @@ using Rows = std::vector<Words>;
 
 TEST_CASE(
     "every law of friction runs in a session, is replayed to the bit, and renders the same from "
-    "its path",
-    "[friction][law]") {
+    "its path") {
     const std::size_t from = GENERATE(0U, 7U);
     const TemporaryFolder folder;
     const std::string file = folder.file("laws.toml");
@@ -73,7 +72,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("snags lie by the length of an edge, whatever its knots and weights", "[friction][law]") {
+TEST_CASE("snags lie by the length of an edge, whatever its knots and weights") {
     std::string path = "t_s,x_m,y_m\n";
     for (int i = 0; i < 3000; ++i) {
         path += fmt::format("{},{},{}\n", 1e-3 * i, -0.1495 + 299e-3 / 3000 * i,
@@ -109,7 +108,7 @@ TEST_CASE("snags lie by the length of an edge, whatever its knots and weights", 
     }
 }
 
-TEST_CASE("under a vertex slew knots that change nothing change no force", "[friction][law]") {
+TEST_CASE("under a vertex slew knots that change nothing change no force") {
     std::string path = "t_s,x_m,y_m\n";
     for (int i = 0; i < 300; ++i) {  // deep, about the centre of curvature: its god-object runs
         path += fmt::format("{},{},{}\n", 1e-3 * i, 0.007 * std::cos(0.1 * i),
@@ -136,8 +135,7 @@ TEST_CASE("under a vertex slew knots that change nothing change no force", "[fri
     CHECK(std::ranges::count(whole.at("slewed"), 1.0) > 20);
 }
 
-TEST_CASE("check says which laws creep, chatter or are not passive, and refuses what diverges",
-          "[friction][cli]") {
+TEST_CASE("check says which laws creep, chatter or are not passive, and refuses what diverges") {
     const TemporaryFile file("laws.toml");
     std::ofstream(file) << protocol_of(5, 9);
     const Finished check = ran({"check", file});

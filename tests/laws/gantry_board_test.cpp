@@ -92,7 +92,7 @@ struct Desk {
 }  // namespace
 
 TEST_CASE("patches are felt through a board of three axes, from its pins to the database and back",
-          "[window][open][gantry][law]") {
+          "[window][open]") {
     Desk desk(kGantry, 1);
     REQUIRE(desk.finishes());
     const std::string& file = desk.file;
@@ -115,7 +115,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
 }
 
 TEST_CASE("a host that is killed with its guard leaves no force on any of three motors",
-          "[window][open][gantry][safety][law]") {
+          "[window][open][safety]") {
     Desk desk;
     REQUIRE(desk.feel());
     CHECK(desk.motors().z > 0.1);
@@ -132,7 +132,7 @@ TEST_CASE("a host that is killed with its guard leaves no force on any of three 
 }
 
 TEST_CASE("a board of three axes that is gone under a force ends the trial, and its file verifies",
-          "[window][open][gantry][safety][law]") {
+          "[window][open][safety]") {
     Desk desk;
     REQUIRE(desk.feel());
     desk.board.signal(SIGKILL);
@@ -141,7 +141,7 @@ TEST_CASE("a board of three axes that is gone under a force ends the trial, and 
 }
 
 TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
-          "[window][open][gantry][safety][law]") {
+          "[window][open][safety]") {
     const TemporaryFile file("wired.toml");
     write(file, replaced(slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
     Desk desk(file);
@@ -151,7 +151,7 @@ TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and l
 }
 
 TEST_CASE("a third encoder whose cable comes out under a force ends it, and no force is left",
-          "[window][open][gantry][safety][law]") {
+          "[window][open][safety]") {
     // A busy machine may end the trial for another reason while the cable is out: then the proof of
     // the rig refuses the next trial, and another session is begun.
     CHECK(tried(6, [] {
@@ -166,7 +166,7 @@ TEST_CASE("a third encoder whose cable comes out under a force ends it, and no f
 }
 
 TEST_CASE("check says of a workspace that does not hold the patch what cannot be reached",
-          "[open][gantry]") {
+          "[open]") {
     const TemporaryFolder folder;
     write(folder.file("narrow.toml"),
           replaced(slurp(kGantry), "high_mm = 60\nhome_mm = 40", "high_mm = 25\nhome_mm = 20"));

@@ -39,7 +39,7 @@ std::string found(const TemporaryFolder& folder, FreeBoard& board, const char* h
 }  // namespace
 
 TEST_CASE("whatever is wrong with a board of three axes is found, named and left without a force",
-          "[commission][open][gantry][law]") {
+          "[open]") {
     const TemporaryFolder folder;
     SECTION("a motor") {
         FreeBoard board(folder, board_words(wired(folder, "motor_z")));
@@ -89,7 +89,7 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
 }
 
 TEST_CASE("commissioning of three axes that is stopped or killed leaves no force and no file",
-          "[commission][open][gantry][safety][law]") {
+          "[open][safety]") {
     const TemporaryFolder folder;
     EACH(signal, SIGINT, SIGTERM, SIGKILL);
     FreeBoard board(folder, board_words(kExample));
@@ -131,7 +131,7 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
 }
 
 TEST_CASE("three axes are commissioned by an operator, and then a real session is felt on them",
-          "[commission][open][gantry][window][law]") {
+          "[open][window]") {
     const TemporaryFolder folder;
     auto right = std::make_unique<FreeBoard>(folder, board_words(kExample));
     FreeBoard& board = *right;

@@ -29,8 +29,7 @@ std::string identified(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("scripts to begin with load an export in R and Python, factors and levels set",
-          "[export][stats]") {
+TEST_CASE("scripts to begin with load an export in R and Python, factors and levels set") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     const std::string out = folder.file("shared");
@@ -73,8 +72,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
                Has("is no export: it has no columns.csv"));
 }
 
-TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong",
-          "[export][stats]") {
+TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     std::string asked = replaced(four_trials(), "id = \"four_trials\"", "id = \"asked\"");
@@ -111,8 +109,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
     }
 }
 
-TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name",
-          "[export][fit][law]") {
+TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name") {
     const TemporaryFolder folder;
     const std::string file = two_people(folder, adaptive_text(kQuestPlusRule));
     const std::string wanted = by_sql(
@@ -161,7 +158,7 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
     CHECK_FALSE(std::filesystem::exists(other.file("q")));
 }
 
-TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[export]") {
+TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     ran({"export", file, "--as", "psychopy", "--kind", "all", "-o", folder.file("w")});

@@ -46,7 +46,7 @@ std::string doctor(const std::string& device, const Words& environment = {}) {
 }  // namespace
 
 TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is interrupted",
-          "[laws][haply]") {
+          "[haply]") {
     EmulatedPort emulator({"--preset", "2diy_gen2"});
     {
         const engine::Calibration machine = protocols::load_calibration("2diy_gen2");
@@ -64,7 +64,7 @@ TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is 
 }
 
 TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how long answers take",
-          "[laws][haply][doctor]") {
+          "[haply]") {
     EACH(delay, as<std::string>{}, "0", "0.3", "1", "2");
     const EmulatedPort emulator({"--delay-ms", delay});
     bool well = false;
@@ -81,14 +81,14 @@ TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how lo
 }
 
 TEST_CASE("the doctor looks at the emulated board, and refuses answers that come too late",
-          "[laws][haply][doctor]") {
+          "[haply]") {
     CHECK_THAT(doctor("haply-emulator"), StartsWith("ok device ") && Has("answers after "));
     const EmulatedPort emulator({"--delay-ms", "40"});
     CHECK_THAT(doctor("haply:" + emulator.link),
                StartsWith("fail device ") && !Has("sent what cannot be"));
 }
 
-TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
+TEST_CASE("an emulator that cannot be is refused with a sentence", "[haply]") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes")) << "mine";
     CHECK_THAT(ran({"haply-emulator", "--link", folder.file("notes")}, 1).error,
@@ -107,7 +107,7 @@ TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply
 }
 
 TEST_CASE("who had the port open before is named and left as it was, and nothing begins beside it",
-          "[laws][haply][doctor]") {
+          "[haply]") {
     EmulatedPort emulator;
     const TemporaryFolder folder;
     Process stranger(
@@ -140,7 +140,7 @@ TEST_CASE("who had the port open before is named and left as it was, and nothing
 }
 
 TEST_CASE("the guard goes into a control group of its own where systemd grants one, else stays",
-          "[laws][haply][guard][doctor]") {
+          "[haply]") {
     EmulatedPort emulator;
     const TemporaryFolder folder;
     // What systemd does with the process named last but one.
@@ -162,8 +162,7 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
     CHECK(emulator.program.ended_by(SIGINT) == 0);
 }
 
-TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise",
-          "[laws][haply][law]") {
+TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise", "[haply]") {
     const EmulatedPort emulator;
     const TemporaryFolder folder;
     const auto spec = session_spec(small_protocol());

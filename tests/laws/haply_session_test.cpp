@@ -102,7 +102,7 @@ int wrong_forces(const protocols::Protocol& protocol, const Kept::Trial& trial) 
 
 TEST_CASE(
     "a session over an emulated board ends with motors at zero, and goes on after an unplugging",
-    "[laws][haply][law]") {
+    "[haply]") {
     EACH(unplugged, false, true);
     const TemporaryFile file("board");
     const protocols::Protocol protocol = two_trials();

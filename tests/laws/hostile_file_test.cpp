@@ -18,7 +18,7 @@ const std::string kAllRight =
 
 }  // namespace
 
-TEST_CASE("nothing is written beside what a file's schema would do", "[store][law]") {
+TEST_CASE("nothing is written beside what a file's schema would do") {
     const LabFiles files;
     for (const auto& [sql, name] : std::vector<std::pair<std::string, std::string>>{
              {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
@@ -48,7 +48,7 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
     }
 }
 
-TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[store][law]") {
+TEST_CASE("no view of a file is believed, and none keeps a command for ever") {
     const LabFiles files;
     const auto asked = [](const std::string& file) {
         return std::vector<Words>{{"summary", file},
@@ -116,7 +116,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     CHECK(row.integer(0) == 0);
 }
 
-TEST_CASE("of a file with a damaged page nothing is said but that it is damaged", "[store][law]") {
+TEST_CASE("of a file with a damaged page nothing is said but that it is damaged") {
     const LabFiles files;
     const std::string file = files.with("SELECT 1");
     const std::string page = GENERATE("participant", "response", "study", "session");
@@ -144,7 +144,7 @@ TEST_CASE("of a file with a damaged page nothing is said but that it is damaged"
     ran({"verify", file}, 1);
 }
 
-TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store][merge][law]") {
+TEST_CASE("what a lab added to a file is theirs, and never in the way") {
     const LabFiles files;
     const std::string file = files.with(
         "CREATE TABLE my_notes (trial_id INTEGER, remark TEXT);"
@@ -177,7 +177,7 @@ TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store]
     CHECK(verified(file) == seals);
 }
 
-TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
+TEST_CASE("nobody gives a file a second secret") {
     const LabFiles files;
     const std::string file =
         files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
@@ -206,7 +206,7 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
                    "when handedness or consent was noted"));
 }
 
-TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
+TEST_CASE("a secret that somebody brings along is nobody else's") {
     const LabFiles files;
     const std::string zeros(32, '0');
     const std::string file = files.folder.file("mine.sqlite");
@@ -242,7 +242,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
     CHECK((whole || ran.error.find("was removed or changed") != std::string::npos));
 }
 
-TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
+TEST_CASE("a query that somebody pasted reads this file, and ends") {
     const LabFiles files;
     const std::string other = files.with("SELECT 1");
     for (const auto& row : test_rows("pasted_queries.tsv")) {  // it, how many steps, what is said
@@ -270,8 +270,7 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
     CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
 }
 
-TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go",
-          "[export][law]") {
+TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go") {
     const LabFiles files;
     const auto rights = [](const std::string& file) {
         struct stat status {};

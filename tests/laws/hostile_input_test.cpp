@@ -49,8 +49,7 @@ std::vector<Words> readers(const std::string& toml, const std::string& csv) {
 
 }  // namespace
 
-TEST_CASE("TOML of any depth is refused at its place by every command that reads some",
-          "[cli][law]") {
+TEST_CASE("TOML of any depth is refused at its place by every command that reads some") {
     EACH(way, range(0, 6));
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
@@ -68,7 +67,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
     CHECK_THAT(palpate_command({"check", file}).error, !Has("levels"));
 }
 
-TEST_CASE("a database whose protocol is deep or long ends no command by a signal", "[cli][law]") {
+TEST_CASE("a database whose protocol is deep or long ends no command by a signal") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
     ran(run_words("shape_friction_demo", "P1", db, {"--headless"}));
@@ -105,7 +104,7 @@ TEST_CASE("a database whose protocol is deep or long ends no command by a signal
     ran({"verify", db}, 1);
 }
 
-TEST_CASE("what is no file is refused as a database by every command, at once", "[cli][law]") {
+TEST_CASE("what is no file is refused as a database by every command, at once") {
     const TemporaryFolder folder;
     const std::string pipe = folder.file("pipe");
     const std::string plug = folder.file("plug");
@@ -142,7 +141,7 @@ TEST_CASE("what is no file is refused as a database by every command, at once", 
     CHECK(folder.names() == Words{"pipe", "plug"});
 }
 
-TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait", "[cli][law]") {
+TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
     ran({"demo", "--headless", "--db", db});
@@ -167,7 +166,7 @@ TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait
               Has("pipe:1:1: cannot be read: nothing has come out"));
 }
 
-TEST_CASE("a hand that is too far away is refused at its place, whatever the scene", "[cli][law]") {
+TEST_CASE("a hand that is too far away is refused at its place, whatever the scene") {
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
@@ -204,8 +203,7 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
                Has("s.toml:4:8: to_m holds 1e+155"));
 }
 
-TEST_CASE("the numbers of a scene have an end, and up to there its forces are finite",
-          "[cli][law]") {
+TEST_CASE("the numbers of a scene have an end, and up to there its forces are finite") {
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0.02,0.01\n0.001,0.03,-0.09\n0.002,0.05,-0.1\n");
@@ -237,8 +235,7 @@ TEST_CASE("the numbers of a scene have an end, and up to there its forces are fi
     rendered("1e308", 2);
 }
 
-TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a signal",
-          "[cli][fuzz][law]") {
+TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a signal") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
     write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");

@@ -18,7 +18,7 @@ std::vector<Event> random_events(Random& random) {
 }  // namespace
 
 TEST_CASE("whatever fails of board, wire, processes and screen together, the force ends in time",
-          "[safety][law]") {
+          "[safety]") {
     palpate::tests::Tally tally;
     for (const std::uint64_t seed : palpate::tests::schedules(2000)) {
         Random random(seed);

@@ -1,7 +1,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/lab_files.hpp"
 
-TEST_CASE("no table, order or reference of a lab's is in the way of a command", "[store][law]") {
+TEST_CASE("no table, order or reference of a lab's is in the way of a command") {
     const LabFiles files;
     const std::string page = files.folder.file("r.html");
     const std::string shared = files.folder.file("shared");

@@ -63,7 +63,7 @@ private:
 
 TEST_CASE(
     "a session whose answers become late ends the force, and waits until they are quick again",
-    "[window][haply][law]") {
+    "[window][haply]") {
     TypedRig rig(false);
     WindowSession& session = rig.session();
     session.wait_for_screen("explore");
@@ -84,7 +84,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a packet read as a reset, another program's torques and a turned angle end at zero",
-          "[window][haply][law]") {
+          "[window][haply]") {
     TypedRig rig(false);
     // The motors keep what they had, and no longer know their address; torques that nobody here
     // asked for; an angle that is no whole count.
@@ -105,7 +105,7 @@ TEST_CASE("a packet read as a reset, another program's torques and a turned angl
 }
 
 TEST_CASE("encoders that all stand still under a force end it, and a stopped program's ends, too",
-          "[window][open][law]") {
+          "[window][open]") {
     TypedRig rig(true);
     tried(5, [&] {  // more than encoders may stand still under
         REQUIRE(rig.feels());

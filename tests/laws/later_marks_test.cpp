@@ -63,8 +63,7 @@ void stop_after_seven(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("marks and notes made later are under the seal, with operator and time",
-          "[verify][law]") {
+TEST_CASE("marks and notes made later are under the seal, with operator and time") {
     const MarkResult study;
     const std::set<std::string> different(study.heads.begin(), study.heads.end());
     CHECK(different.size() == 5);
@@ -86,8 +85,7 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
     }
 }
 
-TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict",
-          "[merge][law]") {
+TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict") {
     const MarkResult study;
     const std::string head = verified_head(study.after);
     for (const bool first : {false, true}) {
@@ -106,7 +104,7 @@ TEST_CASE("a merge takes the file with the later marks, and calls two that diffe
     CHECK_THAT(merged.out + merged.error, Has("what was recorded differs"));
 }
 
-TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resume]") {
+TEST_CASE("a session that goes on after a mark keeps one chain") {
     const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--handedness", "80"});
     const Words run = run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
@@ -123,7 +121,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     CHECK(sql_csv(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
 }
 
-TEST_CASE("a mark taken back counts again, as if it had never been made", "[verify][merge][law]") {
+TEST_CASE("a mark taken back counts again, as if it had never been made") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string marked = folder.file("marked.sqlite");
@@ -166,7 +164,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     verified_head(file);
 }
 
-TEST_CASE("consent that was edited together with its time is said by verify", "[verify][law]") {
+TEST_CASE("consent that was edited together with its time is said by verify") {
     const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--consent", "yes", "--handedness", "80"});
     said(run_words(kFourTrials, "P1", file, {"--headless"}));
@@ -180,7 +178,7 @@ TEST_CASE("consent that was edited together with its time is said by verify", "[
                    "missing  participant P1 handedness: 8, and not 80, as an event"));
 }
 
-TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {
+TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers") {
     const LabFiles files;
     for (const auto& edit : test_rows("edits/schema_edits.tsv")) {
         CAPTURE(edit);
@@ -188,7 +186,7 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
     }
 }
 
-TEST_CASE("sessions become another's all or none, whoever reads what is said", "[repair][law]") {
+TEST_CASE("sessions become another's all or none, whoever reads what is said") {
     const TemporaryFile file("a.sqlite");
     for (const char* number : {"1", "2", "3"}) {
         ran({"run", kFourTrials, "--participant", "P1", "--session", number, "--db", file,

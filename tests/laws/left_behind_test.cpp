@@ -26,7 +26,7 @@ Words marked(const std::string& mark) {
 
 }  // namespace
 
-TEST_CASE("a test that is killed leaves no process behind", "[window][law]") {
+TEST_CASE("a test that is killed leaves no process behind", "[window]") {
     const TemporaryFolder folder;
     const std::string mark = fmt::format("{}={:08x}", kMark, std::random_device{}());
     // The test program itself, in a session in a window with board, guard and screen.

@@ -60,8 +60,7 @@ Json page_account(const std::string& page) {
 
 }  // namespace
 
-TEST_CASE("every command says alike who and what was left out, in words and in JSON",
-          "[left-out][law]") {
+TEST_CASE("every command says alike who and what was left out, in words and in JSON") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     sql_edit(file,
@@ -229,8 +228,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK(!std::filesystem::exists(folder.file("f.html")));
 }
 
-TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order",
-          "[left-out][report]") {
+TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
     write(folder.file("p.toml"), four_trials() + "\n[exclusion]\nsessions_finished = true\n");
@@ -251,8 +249,7 @@ TEST_CASE("a study whose rules leave out everybody is reported, and names nobody
                Has("Everybody is left out by the protocol&#39;s rules", account));
 }
 
-TEST_CASE("a study of which no curve can be fitted has its report all the same",
-          "[left-out][fit][report]") {
+TEST_CASE("a study of which no curve can be fitted has its report all the same") {
     const TemporaryFolder folder;
     const std::string file = simulated_study(folder, test_text("one_level.toml"),
                                              {"--participants", "2", "--no-traces"});
@@ -264,8 +261,7 @@ TEST_CASE("a study of which no curve can be fitted has its report all the same",
                    HasNone("Adaptive tracks", "A rule chose"));
 }
 
-TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered",
-          "[fit][report][law]") {
+TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered") {
     const TemporaryFolder folder;
     const std::string file = simulated_study(
         folder,
@@ -282,8 +278,7 @@ TEST_CASE("answers of more than two kinds are no psychometric function, whatever
                Has("id=\"tracks\"") && !Has("share of yes"));
 }
 
-TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
-          "[left-out][sql][law]") {
+TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     const std::string who =
@@ -320,8 +315,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     CHECK(places.size() > 20);
 }
 
-TEST_CASE("a file is read where no disk has room for an index of its log, or it is said",
-          "[left-out][disk]") {
+TEST_CASE("a file is read where no disk has room for an index of its log, or it is said") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P", file, {"--headless"}));

@@ -22,8 +22,7 @@ Words words(const TemporaryFolder& folder, const std::string& kind) {
 
 }  // namespace
 
-TEST_CASE("a real session that asks for noise begins no trial where there is no sound device",
-          "[sound][law]") {
+TEST_CASE("a real session that asks for noise begins no trial where there is no sound device") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     Process program(command_of(words(folder, "real")),
@@ -33,7 +32,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
     CHECK(sql_lines(folder.file("d.sqlite"), "SELECT count(*) FROM session") == "0\n");
 }
 
-TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
+TEST_CASE("check says how loud the noise is and what the chosen language lacks") {
     const TemporaryFile file("p.toml");
     write_study(file);
     CHECK_THAT(ran({"check", file}).out,
@@ -41,8 +40,7 @@ TEST_CASE("check says how loud the noise is and what the chosen language lacks",
                    "[instructions.en] has no ready, [instructions.tr] has"));
 }
 
-TEST_CASE("in a real window a trial with noise is recorded, answered and verified",
-          "[sound][window][law]") {
+TEST_CASE("in a real window a trial with noise is recorded, answered and verified", "[window]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     const bool declined = GENERATE(false, true);

@@ -55,8 +55,7 @@ std::string left_of(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("what was destroyed in one of several versions is destroyed, in any order",
-          "[merge][repair][law]") {
+TEST_CASE("what was destroyed in one of several versions is destroyed, in any order") {
     const Study study;
     const std::string x = study.noted("x.sqlite", study.whole);
     const std::string y = study.noted("y.sqlite", study.whole);
@@ -88,8 +87,7 @@ TEST_CASE("what was destroyed in one of several versions is destroyed, in any or
     });
 }
 
-TEST_CASE("details and then everything, or everything twice, is destroyed wherever copies came",
-          "[merge][repair][law]") {
+TEST_CASE("details and then everything, or everything twice, is destroyed wherever copies came") {
     const Study study;
     ran({"participant", study.whole, "P1", "--destroy", "details", "--yes"});
     const std::string less = study.noted("less.sqlite", study.whole);
@@ -108,7 +106,7 @@ TEST_CASE("details and then everything, or everything twice, is destroyed wherev
     CHECK(kept.size() == 1);
 }
 
-TEST_CASE("what was destroyed as one person's is nobody else's to lose", "[merge][repair][law]") {
+TEST_CASE("what was destroyed as one person's is nobody else's to lose") {
     const Study study;
     const std::string lab = study.copy("lab.sqlite", study.whole);
     ran({"participant", lab, "P2", "--new"});
@@ -130,8 +128,7 @@ TEST_CASE("what was destroyed as one person's is nobody else's to lose", "[merge
     ran({"verify", lab});
 }
 
-TEST_CASE("a file that heard of a destruction is not one where it was done",
-          "[merge][repair][law]") {
+TEST_CASE("a file that heard of a destruction is not one where it was done") {
     const Study study;
     const std::string rig = study.folder.file("rig.sqlite");
     ran({"participant", rig, "P1", "--new", "--handedness", "20"});
@@ -154,8 +151,7 @@ TEST_CASE("a file that heard of a destruction is not one where it was done",
     ran({"verify", rig});
 }
 
-TEST_CASE("an older copy takes what became of codes, whoever has which number since",
-          "[merge][repair][law]") {
+TEST_CASE("an older copy takes what became of codes, whoever has which number since") {
     const Study study;
     const std::string older = study.copy("older.sqlite", study.whole);
     ran({"participant", study.whole, "P2", "--new"});
@@ -171,8 +167,7 @@ TEST_CASE("an older copy takes what became of codes, whoever has which number si
     ran({"verify", older});
 }
 
-TEST_CASE("an older copy decides nothing between those that went on from it",
-          "[merge][repair][law]") {
+TEST_CASE("an older copy decides nothing between those that went on from it") {
     const Study study;
     const std::string x = study.noted("x.sqlite", study.whole);
     const std::string y = study.noted("y.sqlite", study.whole);
@@ -191,7 +186,7 @@ TEST_CASE("an older copy decides nothing between those that went on from it",
     ran({"verify", y});
 }
 
-TEST_CASE("of notes of several times the newest is kept, in any order", "[merge][repair][law]") {
+TEST_CASE("of notes of several times the newest is kept, in any order") {
     const Study study;
     const std::string person = study.folder.file("person.sqlite");
     ran({"participant", person, "P2", "--new", "--set", "age=30"});
@@ -215,7 +210,7 @@ TEST_CASE("of notes of several times the newest is kept, in any order", "[merge]
     });
 }
 
-TEST_CASE("a session that runs is not changed by a merge", "[merge][law]") {
+TEST_CASE("a session that runs is not changed by a merge") {
     const Study study;
     const std::string later = study.noted("later.sqlite", study.whole);
     {
@@ -229,8 +224,7 @@ TEST_CASE("a session that runs is not changed by a merge", "[merge][law]") {
     CHECK(left_of(study.whole) == "10,1,73");
 }
 
-TEST_CASE("simulated people of one code and two secrets are two people, and a merge says so",
-          "[merge][law]") {
+TEST_CASE("simulated people of one code and two secrets are two people, and a merge says so") {
     const TemporaryFolder folder;
     const auto simulated = [&](const char* name, const std::string& protocol,
                                const std::string& secret) {
@@ -251,8 +245,7 @@ TEST_CASE("simulated people of one code and two secrets are two people, and a me
     CHECK(left_of(both) == "14,0,");
 }
 
-TEST_CASE("a yes after a refusal stands against copies from between, whoever had a session then",
-          "[repair][merge][law]") {
+TEST_CASE("a yes after a refusal stands against copies from between, whoever had a session then") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"participant", file, "P1", "--new"});

@@ -2,8 +2,7 @@
 
 // What an analyst's tables are like, seen from outside: the shipped program, files, what it prints.
 
-TEST_CASE("tables in another encoding or with other separators are refused at their place",
-          "[fit][stats]") {
+TEST_CASE("tables in another encoding or with other separators are refused at their place") {
     const TemporaryFile csv("d.csv");
     const auto of = [&](const char* command, const std::string& text, const std::string& why) {
         write(csv, text);
@@ -39,8 +38,7 @@ TEST_CASE("tables in another encoding or with other separators are refused at th
 }
 
 TEST_CASE(
-    "names that a spreadsheet takes for formulas, quotes and backslashes go through R and back",
-    "[stats][law]") {
+    "names that a spreadsheet takes for formulas, quotes and backslashes go through R and back") {
     const TemporaryFolder folder;
     const Words people{"=2+5",
                        "+on",
@@ -104,8 +102,7 @@ TEST_CASE(
     CHECK(compared > 150);
 }
 
-TEST_CASE("people whose JND has no end are counted and named, and the median keeps them",
-          "[fit][law]") {
+TEST_CASE("people whose JND has no end are counted and named, and the median keeps them") {
     const TemporaryFile file("d.csv");
     std::string text = "stimulus,n,k,participant,condition\n";
     const auto add = [&](const char* who, const char* where, const std::vector<int>& hits) {
@@ -169,7 +166,7 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
     refused({"fit", file, "--baseline", "wet"}, "--baseline is wet: give one of off, on");
 }
 
-TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a share", "[fit]") {
+TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a share") {
     const TemporaryFile csv("d.csv");
     write(csv, "stimulus,n,k\n-2,20,1\n-1,20,4\n0,20,9\n1,20,16\n2,20,19\n");
     const Words words{"fit", csv, "--bootstrap", "0", "--at", "0.99"};
@@ -187,8 +184,7 @@ TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a 
 }
 
 TEST_CASE(
-    "who is perfect in both conditions has no difference of d', however many answers they have",
-    "[stats][law]") {
+    "who is perfect in both conditions has no difference of d', however many answers they have") {
     const TemporaryFolder folder;
     std::string text = "subject,trial,shape,friction,response\n";
     std::string asked = text;
@@ -218,7 +214,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
+TEST_CASE("palpate stats shows Brier's score in its table") {
     const TemporaryFile file("d.csv");
     write(file,
           "subject,trial,shape,friction,response,confidence\nA,1,a,off,a,0.8\nA,2,b,off,a,0.6\n"
@@ -230,8 +226,7 @@ TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
 }
 
 TEST_CASE(
-    "palpate stats of one picture, and of people who felt one friction each, ends and says so",
-    "[stats]") {
+    "palpate stats of one picture, and of people who felt one friction each, ends and says so") {
     const TemporaryFile csv("d.csv");
     const Words words{"stats", csv, "--simulations", "0", "--permutations", "0"};
     write(csv,
@@ -244,7 +239,7 @@ TEST_CASE(
     CHECK_THAT(ran(words).out, Has("nobody has a number under both"));
 }
 
-TEST_CASE("what is drawn for a curve follows its name, and no order of rows", "[fit][law]") {
+TEST_CASE("what is drawn for a curve follows its name, and no order of rows") {
     const TemporaryFolder folder;
     Words rows;
     for (const auto& [who, where, hits] :

@@ -8,8 +8,7 @@ const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
 
 }  // namespace
 
-TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit",
-          "[free_forms][study][law]") {
+TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit") {
     const TemporaryFile file("d.sqlite");
     ran(run_words(kForms, "P1", file, {"--headless"}));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
@@ -32,8 +31,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
 }
 
-TEST_CASE("whoever is counted, the order of friction blocks is verified as it was",
-          "[friction_blocks][law]") {
+TEST_CASE("whoever is counted, the order of friction blocks is verified as it was") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string study = folder.file("p.toml");
@@ -54,15 +52,14 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     CHECK_THAT(verified.out, !Has("plan_sha256"));
 }
 
-TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
+TEST_CASE("another outline under the same name is found by its hash") {
     const TemporaryFile file("d.sqlite");
     ran(run_words(kForms, "P1", file, {"--headless"}));
     sql_edit(file, "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
     CHECK_THAT(ran({"verify", file}, 1).out, Has("dome"));
 }
 
-TEST_CASE("sequence and check show friction blocks and free forms",
-          "[free_forms][friction_blocks]") {
+TEST_CASE("sequence and check show friction blocks and free forms") {
     const TemporaryFile sheet("o.svg");
     CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
                Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
@@ -75,8 +72,7 @@ TEST_CASE("sequence and check show friction blocks and free forms",
                Has("[[object.segment]]", "five_shapes", "friction_blocks", "catch_correct_min"));
 }
 
-TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded",
-          "[handedness]") {
+TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran({"participant", file, "L1", "--new", "--handedness=-60"});

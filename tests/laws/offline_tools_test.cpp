@@ -13,7 +13,7 @@ double number(const Columns& csv, const std::string& column, std::size_t row) {
 
 }  // namespace
 
-TEST_CASE("palpate render gives the forces of plane trigonometry on an arc", "[cli][law]") {
+TEST_CASE("palpate render gives the forces of plane trigonometry on an arc") {
     EACH(kappa, 12.0, 0.0, -12.0);
     const std::string scene =
         kContact + fmt::format(
@@ -56,8 +56,7 @@ TEST_CASE("palpate render gives the forces of plane trigonometry on an arc", "[c
     }
 }
 
-TEST_CASE("palpate closest answers for separate curves like an oracle that proves its distance",
-          "[cli][law]") {
+TEST_CASE("palpate closest answers for separate curves like an oracle that proves its distance") {
     SEEDED(random, 6U);
     std::string scene;
     std::vector<FootOracle> oracles;
@@ -93,8 +92,7 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
     }
 }
 
-TEST_CASE("palpate closest says of a point of a surface whether its search was broken off",
-          "[cli][surface][law]") {
+TEST_CASE("palpate closest says of a point of a surface whether its search was broken off") {
     // Weights of 1e-3 beside 1e3 bend the patch into valleys that cost too much; found by search.
     for (const bool bent : {false, true}) {
         const std::string weights =
@@ -112,8 +110,7 @@ TEST_CASE("palpate closest says of a point of a surface whether its search was b
 }
 
 TEST_CASE(
-    "a wrong scene or table gets file, line, value and remedy, exit code 2, and no output file",
-    "[cli][law]") {
+    "a wrong scene or table gets file, line, value and remedy, exit code 2, and no output file") {
     const TemporaryFolder folder;
     const std::string good = std::string(kContact) + R"(
 [[segment]]
@@ -137,8 +134,8 @@ to_m = [0.1, 0.0]
     }
 }
 
-TEST_CASE("palpate deform says where a bow is over time and at rest, with a column for each number",
-          "[offline][law]") {
+TEST_CASE(
+    "palpate deform says where a bow is over time and at rest, with a column for each number") {
     const TemporaryFolder folder;
     // As docs/protocol.md shows it.
     const std::string page = slurp(PALPATE_SOURCE_DIR "/docs/protocol.md");
@@ -186,8 +183,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     }
 }
 
-TEST_CASE("palpate render presses a soft object to where palpate deform has it at rest",
-          "[cli][soft][law]") {
+TEST_CASE("palpate render presses a soft object to where palpate deform has it at rest") {
     EACH(soft, 0.0004, 0.002);
     const TemporaryFolder folder;
     const auto scene = [&](double compliance) {

@@ -7,7 +7,7 @@
 TEST_CASE(
     "an emergency stop in a trial is kept with its cause, and the session goes on once it is "
     "released",
-    "[window][open][safety][law]") {
+    "[window][open][safety]") {
     PressedDesk desk(PressingHand::Does::presses, {}, true);
     REQUIRE(desk.feel());
     desk.board.press_stop(true);
@@ -31,7 +31,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a cable that is pulled with the force on ends it, and the session waits for the board",
-          "[window][open][safety][law]") {
+          "[window][open][safety]") {
     PressedDesk desk(PressingHand::Does::presses, {}, true);
     REQUIRE(desk.feel());
     desk.board.plug(false);
@@ -46,7 +46,7 @@ TEST_CASE("a cable that is pulled with the force on ends it, and the session wai
 }
 
 TEST_CASE("the doctor and calibrate take an open board, and say what is wrong with another one",
-          "[laws][open][doctor]") {
+          "[open]") {
     const TemporaryFolder folder;
     const auto doctor = [&](const std::string& calibration) {
         return behind(palpate_command({"doctor", "--device", "board:" + folder.file("board"),

@@ -58,7 +58,7 @@ void carry_on(Process& program, XHand& hand) {
 
 TEST_CASE(
     "a session on the pointer is a pilot, answers wait for the guard time and to be confirmed",
-    "[long][window][operator][law]") {
+    "[long][window]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("it's study.sqlite");
     const std::string protocol = folder.file("p.toml");
@@ -127,7 +127,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a real session on a device without force is refused unless the protocol asks for it",
-          "[window][operator][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::ofstream(folder.file("any.toml")) << two_trials();
@@ -164,8 +164,8 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CHECK(sql_lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
-TEST_CASE("practice is counted by itself, repeats never make a number jump, and three are an alarm",
-          "[operator][law]") {
+TEST_CASE(
+    "practice is counted by itself, repeats never make a number jump, and three are an alarm") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     write(folder.file("p.toml"),
@@ -202,8 +202,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
 
 TEST_CASE(
     "a session of two intervals and a rule, stopped and resumed, says its numbers and what it came "
-    "to",
-    "[operator][law]") {
+    "to") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     write(folder.file("p.toml"),
@@ -220,7 +219,7 @@ TEST_CASE(
 }
 
 TEST_CASE("one trial that takes long leaves alone how many minutes the terminal foretells",
-          "[window][operator][law]") {
+          "[window]") {
     std::int64_t before = monotonic_ns();
     PointerSession session(edited(four_trials(), {{"repetitions = 1", "repetitions = 100"},
                                                   {"explore_min_s = 0.5", "explore_min_s = 0.1"}}));
@@ -247,7 +246,7 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
 }
 
 TEST_CASE("a person's line says the times of the file, and nothing that tells shape or friction",
-          "[window][haply][operator][blind][law]") {
+          "[window][haply]") {
     PressedDesk desk(PressingHand::Does::presses);
     WindowSession& session = *desk.session;
     const auto answered = [&] {

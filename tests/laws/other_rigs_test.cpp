@@ -75,7 +75,7 @@ std::string number(const TemporaryFolder& folder, const std::string& what) {
 }  // namespace
 
 TEST_CASE("an encoder that jumps at Ready is a fault, and a hand that brings the handle is none",
-          "[commission][haply][window][safety][law]") {
+          "[haply][window][safety]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
@@ -103,7 +103,7 @@ TEST_CASE("an encoder that jumps at Ready is a fault, and a hand that brings the
 }
 
 TEST_CASE("a board in an emulator's place, or an emulator in a board's, is not the session's rig",
-          "[commission][haply][window][safety][law]") {
+          "[haply][window][safety]") {
     const bool simulated = GENERATE(true, false);
     CAPTURE(simulated);
     const TemporaryFolder folder;
@@ -142,7 +142,7 @@ TEST_CASE("a board in an emulator's place, or an emulator in a board's, is not t
 }
 
 TEST_CASE("another open board is not the one that was commissioned, and not the session's",
-          "[commission][open][window][law]") {
+          "[open][window]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder, "--open");
     const std::string rig = commissioned_rig(folder, board->word());

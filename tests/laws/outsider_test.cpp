@@ -110,8 +110,8 @@ Words telling(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the secret everybody",
-          "[export][secret][law]") {
+TEST_CASE(
+    "an outsider finds nobody in an export, nor who declined, and with the secret everybody") {
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
     record(file, 0, 4);
@@ -181,7 +181,7 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
     CHECK(hands.at(late.at("P04")).empty());
 }
 
-TEST_CASE("what an export says of time tells no date, no pause and no restart", "[export][law]") {
+TEST_CASE("what an export says of time tells no date, no pause and no restart") {
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
     record(file, 0, 1);
@@ -204,8 +204,7 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
 }
 
 TEST_CASE(
-    "a given secret repeats a simulated session to the bit, and enters no file that has another",
-    "[secret][determinism][law]") {
+    "a given secret repeats a simulated session to the bit, and enters no file that has another") {
     const TemporaryFolder folder;
     const std::string secret = "0123456789abcdef0123456789abcdef";
     const auto content = [&](const std::string& name, Words more) {
@@ -235,8 +234,7 @@ TEST_CASE(
     CHECK(secrets.at(1) != data::kDemoSecret);
 }
 
-TEST_CASE("merged files keep their secrets, in any order, and each person has one number",
-          "[secret][merge][law]") {
+TEST_CASE("merged files keep their secrets, in any order, and each person has one number") {
     const TemporaryFolder folder;
     const auto file = [&](const char* name) {
         return folder.file(name);
@@ -273,7 +271,7 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
     }
 }
 
-TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret][verify][law]") {
+TEST_CASE("a secret that is lost, or was changed by hand, is reported") {
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
     REQUIRE(run_as("P01", file).code == 0);

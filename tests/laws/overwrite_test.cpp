@@ -1,7 +1,6 @@
 #include "tests/support/program.hpp"
 
-TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name",
-          "[report][law]") {
+TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name") {
     const TemporaryFolder folder;
     const auto f = [&](const char* name) {
         return folder.file(name);
@@ -54,8 +53,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     }
 }
 
-TEST_CASE("a file that cannot be made is refused with what the system says of it",
-          "[report][law]") {
+TEST_CASE("a file that cannot be made is refused with what the system says of it") {
     const TemporaryFolder folder;
     write(folder.file("file"), "");
     for (const auto& [place, why] :
@@ -68,8 +66,7 @@ TEST_CASE("a file that cannot be made is refused with what the system says of it
     CHECK(folder.names() == Words{"file"});
 }
 
-TEST_CASE("figures write all of their files or none where somebody's table has the name of one",
-          "[report]") {
+TEST_CASE("figures write all of their files or none where somebody's table has the name of one") {
     const TemporaryFolder folder;
     write(folder.file("fig_3_2_2.svg"), "mine\n");
     CHECK_THAT(ran({"figures", "-o", folder.path().string()}, 2).error,

@@ -13,8 +13,8 @@ std::string study_in(const TemporaryFolder& folder, const std::string& test) {
 
 }  // namespace
 
-TEST_CASE("palpate power counts the protocol's own primary test, the same by any number of threads",
-          "[power][law]") {
+TEST_CASE(
+    "palpate power counts the protocol's own primary test, the same by any number of threads") {
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "sign_flip");
     const auto power = [&](const std::string& threads) {
@@ -49,7 +49,7 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
         Has("Wilcoxon signed-rank"));
 }
 
-TEST_CASE("two people are enough where their power is", "[power][law]") {
+TEST_CASE("two people are enough where their power is") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"),
           edited(slurp(kFourTrials), {{"repetitions = 1", "repetitions = 60"}, {"= 2.62", "= 2"}}));
@@ -62,7 +62,7 @@ TEST_CASE("two people are enough where their power is", "[power][law]") {
     CHECK_THAT(power.out, Has("       2  0.8", "Power of 0.8 takes 2 people"));
 }
 
-TEST_CASE("palpate power says where there is no effect, and never an error of 0", "[power]") {
+TEST_CASE("palpate power says where there is no effect, and never an error of 0") {
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "paired_t");
     CHECK_THAT(ran({"power", study, "--effect", "0", "--observer", folder.file("quick.toml"),
@@ -78,7 +78,7 @@ TEST_CASE("palpate power says where there is no effect, and never an error of 0"
     CHECK_THAT(never.out, Has("0.000 to 0.161", "0.0000 to 0.0188"));
 }
 
-TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]") {
+TEST_CASE("palpate stats names the protocol's primary test first") {
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "sign_flip");
     const std::string file = folder.file("d.sqlite");
@@ -91,7 +91,7 @@ TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]
     CHECK(json_of(stats)["primary_test"] == "sign_flip");
 }
 
-TEST_CASE("palpate power refuses a primary test that there is not", "[power]") {
+TEST_CASE("palpate power refuses a primary test that there is not") {
     const TemporaryFile file("bad.toml");
     write(file, slurp(kFourTrials) + "\n[analysis]\nprimary = \"t\"\n");
     refused({"power", file, "--effect", "-1"}, "primary is \"t\"");

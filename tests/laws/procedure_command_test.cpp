@@ -8,8 +8,7 @@ const std::string kWatson = test_text("procedures/watson.toml");
 
 }  // namespace
 
-TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse",
-          "[cli][procedure][golden]") {
+TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse") {
     const TemporaryFolder folder;
     write(folder.file("c.toml"), kWatson);
     // The published stimuli are given, since two of them tie with others.
@@ -40,8 +39,7 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
 }
 
 TEST_CASE(
-    "without a stimulus column the recommended stimuli are taken, and written to standard output",
-    "[cli][procedure]") {
+    "without a stimulus column the recommended stimuli are taken, and written to standard output") {
     const TemporaryFolder folder;
     std::string config(kWatson);
     config.replace(config.find("[2, 3, 4, 5]"), 12, "3.5");
@@ -75,8 +73,7 @@ TEST_CASE(
     CHECK(hashes[1].back() != hashes[2].back());
 }
 
-TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
-          "[cli][procedure]") {
+TEST_CASE("palpate procedure refuses bad words and files with place and remedy") {
     const TemporaryFolder folder;
     const std::string config = folder.file("c.toml");
     const std::string responses = folder.file("r.csv");
@@ -104,8 +101,7 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     CHECK_THAT(ran({"procedure", "--keys"}).out, Has("[quest]"));
 }
 
-TEST_CASE("a marked answer of one staircase moves none of another's, in summary and in exports",
-          "[cli][procedure][law]") {
+TEST_CASE("a marked answer of one staircase moves none of another's, in summary and in exports") {
     const TemporaryFolder folder;
     const std::string file = folder.file("r.sqlite");
     ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});

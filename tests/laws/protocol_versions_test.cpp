@@ -9,8 +9,7 @@ std::string hash_of(const std::string& protocol) {
 
 }  // namespace
 
-TEST_CASE("versions of a protocol in one file: asked about by what differs, and kept apart",
-          "[protocol][law]") {
+TEST_CASE("versions of a protocol in one file: asked about by what differs, and kept apart") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
     const std::string text = four_trials();

@@ -84,7 +84,7 @@ double longest_step(std::span<const engine::TickRecord> trace) {
 TEST_CASE(
     "a real pointer in a real window: start, choice, reaction time and exact forces are in the "
     "database",
-    "[long][window][law]") {
+    "[long][window]") {
     PointerSession session(four_trials(), {"--windowed"}, kWide);
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
@@ -148,8 +148,7 @@ TEST_CASE(
     CHECK(trials == 4);
 }
 
-TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
-          "[window][operator][law]") {
+TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one", "[window]") {
     PointerSession session;
     session.go_through({"welcome", "ready"});
     explore(session.hand(), session.wait_for_screen("explore"));
@@ -171,7 +170,7 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
 
 TEST_CASE(
     "a session on surfaces in a real window, broken off at the choice, is what verify recomputes",
-    "[window][surface-session]") {
+    "[window]") {
     const TemporaryFile file("d.sqlite");
     WindowSession session(run_words("patch_friction", "P1", file,
                                     {"--device", "sim", "--windowed", "--speed", "20"}));
@@ -185,8 +184,7 @@ TEST_CASE(
     ran({"verify", file});
 }
 
-TEST_CASE("of an object that was never touched the person's line says so",
-          "[window][operator][blind][law]") {
+TEST_CASE("of an object that was never touched the person's line says so", "[window]") {
     PointerSession session;
     session.press_at("welcome", "space");
     point_at(session.hand(), session.wait_for_screen("ready"), {0.0, 0.060});

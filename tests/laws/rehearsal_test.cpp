@@ -64,7 +64,7 @@ void rehearse(OpenedSession& run, FreeBoard& board) {
 
 TEST_CASE(
     "a commissioned session is rehearsed on the emulator to its end, and recorded as simulated",
-    "[commission][open][window][law]") {
+    "[open][window]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--open");
     const std::string rig = commissioned_rig(folder, board.word());
@@ -86,7 +86,7 @@ TEST_CASE(
 }
 
 TEST_CASE("behind a port where nobody is seen a session has to say of which kind it is",
-          "[haply][kind][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     const FreeBoard board(folder);
     const std::string file = folder.file("d.sqlite");

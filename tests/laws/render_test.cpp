@@ -44,8 +44,8 @@ std::string sheet(Random& random) {
 
 }  // namespace
 
-TEST_CASE("out of contact render's god-object is the closest point, as `palpate closest` finds it",
-          "[cli][law]") {
+TEST_CASE(
+    "out of contact render's god-object is the closest point, as `palpate closest` finds it") {
     const auto seed = GENERATE(seeds(6U));
     const bool space = seed % 2U == 1U;
     CAPTURE(seed, space);
@@ -87,8 +87,7 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
 }
 
 TEST_CASE(
-    "a hand led round an open end or border feels nothing before it comes through the surface",
-    "[cli][law]") {
+    "a hand led round an open end or border feels nothing before it comes through the surface") {
     const auto seed = GENERATE(seeds(20U));
     const char* const scenes[] = {"", kRubs, "[friction]\nlaw = \"dahl\"\nmu_d = 0.5\n"};
     const bool space = seed % 4U == 3U;
@@ -134,8 +133,8 @@ TEST_CASE(
     CHECK(strength <= 1000.0 * step * 1.001);
 }
 
-TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its renderer, to the bit",
-          "[cli][law][thesis]") {
+TEST_CASE(
+    "a scene that names a law or a tracker of the thesis is felt by its renderer, to the bit") {
     using figures::ThesisLaw;
     using figures::TrackerKind;
     struct Named {
@@ -212,8 +211,7 @@ TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its re
 
 TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
-    "path",
-    "[cli][law]") {
+    "path") {
     const auto seed = GENERATE(seeds(2U));
     const std::string command = GENERATE(as<std::string>{}, "render", "closest");
     CAPTURE(seed, command);
@@ -271,7 +269,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a step of a micrometre weighs a micrometre, whatever the vertex slew", "[cli][law]") {
+TEST_CASE("a step of a micrometre weighs a micrometre, whatever the vertex slew") {
     std::string table = "t_s,x_m,y_m\n";
     for (int k = 0; k < 160; ++k) {
         table += fmt::format("{:.3f},{:.4f},{:.4f}\n", k / 1000.0,

@@ -37,8 +37,7 @@ constexpr const char* kNoted =
 
 }  // namespace
 
-TEST_CASE("a session run under a wrong code is another's everywhere, and one can be withdrawn",
-          "[repair][verify][merge][law]") {
+TEST_CASE("a session run under a wrong code is another's everywhere, and one can be withdrawn") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string edited = folder.file("edited.sqlite");
@@ -126,8 +125,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     ran({"verify", file});
 }
 
-TEST_CASE("a session that is over is refused by what ended it, and a moved one goes on moved back",
-          "[repair][law]") {
+TEST_CASE(
+    "a session that is over is refused by what ended it, and a moved one goes on moved back") {
     const TemporaryFile file("a.sqlite");
     const auto run = [&] {
         return palpate_command(run_words("shape_friction_demo", "F", file, {"--headless"}));
@@ -156,7 +155,7 @@ TEST_CASE("a session that is over is refused by what ended it, and a moved one g
     refused("is finished");
 }
 
-TEST_CASE("what has a word of its own is no detail of a participant", "[repair][law]") {
+TEST_CASE("what has a word of its own is no detail of a participant") {
     const TemporaryFile file("a.sqlite");
     ran({"participant", file, "P1", "--new"});
     for (const auto& [key, value] : {std::pair{"consent", "no"}, std::pair{"handedness", "-100"}}) {
@@ -168,8 +167,7 @@ TEST_CASE("what has a word of its own is no detail of a participant", "[repair][
                Has("consent      not noted\n") && !Has("consent      no\n"));
 }
 
-TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs",
-          "[repair][merge][law]") {
+TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"participant", file, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
@@ -198,8 +196,7 @@ TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles w
                Has("none of the files"));
 }
 
-TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were destroyed",
-          "[repair][merge][law]") {
+TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were destroyed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto noted_in = [](const std::string& year, const std::string& of,
@@ -272,8 +269,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     CHECK(merged({file, backup}) == "1,,\n");
 }
 
-TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again",
-          "[repair][disk][law]") {
+TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again") {
     const TemporaryFile file("a.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         record(file, person);
@@ -295,8 +291,7 @@ TEST_CASE("what is destroyed where the file cannot be written anew is said to be
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }
 
-TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed",
-          "[repair][verify][merge][law]") {
+TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"participant", file, "P1", "--new", "--handedness", "73", "--set", "diagnosis=anosmia"});

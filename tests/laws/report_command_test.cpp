@@ -163,8 +163,7 @@ void check_numbers(const std::string& page, const std::string& file) {
 
 TEST_CASE(
     "palpate report hands on a study as one page: figures with table, CSV and SQL that say the "
-    "same, numbers of palpate stats, nobody's code",
-    "[report]") {
+    "same, numbers of palpate stats, nobody's code") {
     const TemporaryFolder folder;
     const std::string file = made_study(folder);
     const std::string page = page_of(file, kSimulated);
@@ -201,8 +200,7 @@ TEST_CASE(
     check_kind(page_of(file, kSimulated), "simulated", file);
 }
 
-TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing",
-          "[report]") {
+TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
@@ -224,8 +222,7 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     no_report({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, "no/r.html", 1);
 }
 
-TEST_CASE("a page says what was so: which device, that nobody touched, and the last tenth",
-          "[report]") {
+TEST_CASE("a page says what was so: which device, that nobody touched, and the last tenth") {
     const TemporaryFolder folder;
     const std::string file = simulated_study(
         folder,
@@ -255,7 +252,7 @@ TEST_CASE("a page says what was so: which device, that nobody touched, and the l
                    !Has("through a handle"));
 }
 
-TEST_CASE("a study with a rule is reported with psychometric functions and tracks", "[report]") {
+TEST_CASE("a study with a rule is reported with psychometric functions and tracks") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"),
           short_text("friction_threshold", {{"explore_min_s = 2", "explore_min_s = 0.2"},
@@ -293,8 +290,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
 
 TEST_CASE(
     "a browser opens the page of a study without an error and without a request, and a phone's "
-    "cuts no caption and makes no label too small",
-    "[report]") {
+    "cuts no caption and makes no label too small") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));

@@ -2,8 +2,7 @@
 #include "tests/support/page_reader.hpp"
 #include "tests/support/test_text.hpp"
 
-TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays",
-          "[report]") {
+TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string page = folder.file("a.html");

@@ -29,8 +29,7 @@ bool has_number(const std::string& html, double number) {
 }  // namespace
 
 TEST_CASE(
-    "a report of yes and no has d' and criterion as palpate stats has them, and names no file",
-    "[report][stats]") {
+    "a report of yes and no has d' and criterion as palpate stats has them, and names no file") {
     const TemporaryFolder folder;
     const std::string file = asked_study(folder);
     const std::string page = folder.file("r.html");
@@ -78,8 +77,8 @@ TEST_CASE(
         "--signal is cube: give one of");
 }
 
-TEST_CASE("a report of ratings has each level's share and each person's mean, as summary has them",
-          "[report][summary]") {
+TEST_CASE(
+    "a report of ratings has each level's share and each person's mean, as summary has them") {
     const TemporaryFolder folder;
     std::string protocol = replaced(four_trials(), "repetitions = 1", "repetitions = 6");
     const std::string file = simulated_study(

@@ -148,8 +148,7 @@ void check_measures(const std::string& page, const std::string& file, int trial,
 
 TEST_CASE(
     "palpate report --trial draws a trial on one page: the view's measures, every tick of the "
-    "trace, nobody's code",
-    "[report][law]") {
+    "trace, nobody's code") {
     const TemporaryFolder folder;
     const std::string file = session_of(folder);
     for (const int trial : {1, 4}) {
@@ -192,8 +191,7 @@ TEST_CASE(
     CHECK_THAT(page_of_trial(file, 4), Has("<dt>Seal</dt><dd>does not hold"));
 }
 
-TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks",
-          "[report]") {
+TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks") {
     const TemporaryFolder folder;
     SECTION("the force went off: cause and instant") {
         write(folder.file("p.toml"),
@@ -264,8 +262,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     }
 }
 
-TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request",
-          "[report]") {
+TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request") {
     const TemporaryFolder folder;
     const std::string file = session_of(folder);
     static_cast<void>(page_of_trial(file, 2));

@@ -67,8 +67,7 @@ std::string softness_study(const TemporaryFolder& folder, bool logarithms) {
 
 TEST_CASE(
     "the page's headline is the protocol's primary test by its name, with the numbers of "
-    "palpate stats, and all four tests stand in the flow's table",
-    "[report][stats][law]") {
+    "palpate stats, and all four tests stand in the flow's table") {
     const auto& [primary, title] =
         GENERATE(std::pair{"paired_t", "paired t of the share"},
                  std::pair{"sign_flip", "exact sign-flip test of the share"},
@@ -101,8 +100,7 @@ TEST_CASE(
     CHECK(count_of(tables, row + "\n") == 2);  // exclusions applied, and not
 }
 
-TEST_CASE("of three frictions stats, page and power say the same one to be primary",
-          "[report][stats][power][law]") {
+TEST_CASE("of three frictions stats, page and power say the same one to be primary") {
     const TemporaryFolder folder;
     // By name it is the last but one: what is primary follows from the friction.
     const std::string file = simulated(folder,
@@ -125,8 +123,7 @@ TEST_CASE("of three frictions stats, page and power say the same one to be prima
                Has("strong against off"));
 }
 
-TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row",
-          "[summary][law]") {
+TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row") {
     const TemporaryFolder folder;
     const std::string file = simulated(folder, kStrong, "7");
     const auto note = [&] {
@@ -144,8 +141,7 @@ TEST_CASE("summary's note on sign-flips is of the people who are tested, row by 
                            "0.0625"));
 }
 
-TEST_CASE("the page names every quantity that is not the same, with the audit's verdict",
-          "[report][audit][law]") {
+TEST_CASE("the page names every quantity that is not the same, with the audit's verdict") {
     const TemporaryFolder folder;
     const std::string more = GENERATE(std::string(), kStrong);
     const std::string file = simulated(folder, more, "4");
@@ -181,8 +177,7 @@ TEST_CASE("the page names every quantity that is not the same, with the audit's 
                                       : "start, to the right (rig, on - off)"));
 }
 
-TEST_CASE("of yes and no the page frames what the signals say, and says so of nothing else",
-          "[report][law]") {
+TEST_CASE("of yes and no the page frames what the signals say, and says so of nothing else") {
     const TemporaryFolder folder;
     const std::string file = simulated(folder, kAsked, "2");
     const std::string unknown = page_of(file, kSimulated);
@@ -198,7 +193,7 @@ TEST_CASE("of yes and no the page frames what the signals say, and says so of no
     }
 }
 
-TEST_CASE("of one friction the page has no table without a row", "[report][law]") {
+TEST_CASE("of one friction the page has no table without a row") {
     const TemporaryFolder folder;
     const std::string text = four_trials();
     const std::size_t off = text.find("[[friction]]");
@@ -213,8 +208,7 @@ TEST_CASE("of one friction the page has no table without a row", "[report][law]"
                          !Has("<tbody>\n</tbody>") && !Has("Differences within person"));
 }
 
-TEST_CASE("the cells of a map are of one size, also where they meet the middle of the object",
-          "[report][law]") {
+TEST_CASE("the cells of a map are of one size, also where they meet the middle of the object") {
     const TemporaryFolder folder;
     const std::string file = simulated_study(
         folder,
@@ -229,8 +223,7 @@ TEST_CASE("the cells of a map are of one size, also where they meet the middle o
     CHECK(fmt::format("n\n{}\n", count_of(map, "\n") - 1) == cells);
 }
 
-TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands beside its numbers",
-          "[fit][report][export][law]") {
+TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands beside its numbers") {
     const TemporaryFolder folder;
     const std::string log = softness_study(folder, true);
     const std::string plain = softness_study(folder, false);
@@ -270,8 +263,7 @@ TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands besi
                    what + ": no curve goes through both; take them apart, --versions apart"));
 }
 
-TEST_CASE("versions that are taken together keep each friction, and no curvature of one of them",
-          "[fit][report][law]") {
+TEST_CASE("versions that are taken together keep each friction, and no curvature of one of them") {
     const TemporaryFolder folder;
     const std::string old = folder.file("old.sqlite");
     std::filesystem::rename(simulated(folder, "", "2"), old);

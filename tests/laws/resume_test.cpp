@@ -51,8 +51,7 @@ std::string answers(const std::string& file) {
 }  // namespace
 
 TEST_CASE(
-    "kill -9 in the middle of a trial: sound file, finished trials there, the same order goes on",
-    "[crash][law]") {
+    "kill -9 in the middle of a trial: sound file, finished trials there, the same order goes on") {
     const TemporaryFolder folder;
     ran(words(folder.file("unbroken.sqlite")));
     const std::string file = folder.file("killed.sqlite");
@@ -79,8 +78,7 @@ TEST_CASE(
     CHECK(sql_first(file, "SELECT count(*) FROM trial WHERE outcome = 'interrupted'") == "2");
 }
 
-TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit code 3, resumable",
-          "[crash]") {
+TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit code 3, resumable") {
     const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     process->signal(SIGINT);
@@ -95,8 +93,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
 }
 
 TEST_CASE(
-    "a signal that comes again within a second is one wish, a later one ends the program at once",
-    "[crash][law]") {
+    "a signal that comes again within a second is one wish, a later one ends the program at once") {
     const TemporaryFolder folder;
     const auto tidy = run_into_trial(folder.file("d.sqlite"), 1);
     for (int again = 0; again < 250 && tidy->running(); ++again) {  // timeout(1) says it twice
@@ -120,8 +117,7 @@ TEST_CASE(
     CHECK(stuck.wait().code == 128 + SIGINT);
 }
 
-TEST_CASE("a file that something writes over while it is in use is not said to be finished",
-          "[crash][law]") {
+TEST_CASE("a file that something writes over while it is in use is not said to be finished") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string copy = folder.file("copy.sqlite");
@@ -135,7 +131,7 @@ TEST_CASE("a file that something writes over while it is in use is not said to b
     check_end(session->wait(), 1, Has("something wrote over it while it was in use"));
 }
 
-TEST_CASE("who deletes the log of a running session spoils nobody's session", "[crash][law]") {
+TEST_CASE("who deletes the log of a running session spoils nobody's session") {
     const TemporaryFile file("d.sqlite");
     const auto first = started(file, "10");
     // Not asked of the file: while somebody reads it, a part of an answer may stand in the log.
@@ -155,8 +151,7 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session", "[
     ran({"verify", file + ".rescued"});
 }
 
-TEST_CASE("a database put in the place of a running session's is neither read nor written",
-          "[crash][law]") {
+TEST_CASE("a database put in the place of a running session's is neither read nor written") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string other = folder.file("other.sqlite");
@@ -177,8 +172,7 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }
 
-TEST_CASE("a session changed by hand between its runs goes on, and both its ends say so",
-          "[crash][law]") {
+TEST_CASE("a session changed by hand between its runs goes on, and both its ends say so") {
     const TemporaryFile file("d.sqlite");
     CHECK(run_into_trial(file, 3)->ended_by(SIGTERM) == 3);
     const std::string edit = GENERATE(as<std::string>{},
@@ -194,7 +188,7 @@ TEST_CASE("a session changed by hand between its runs goes on, and both its ends
     CHECK_THAT(ran({"verify", file}, 1).out, Has("differ"));
 }
 
-TEST_CASE("two programs cannot run one session at once", "[crash]") {
+TEST_CASE("two programs cannot run one session at once") {
     const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     REQUIRE(process->running());
@@ -206,7 +200,7 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
 }
 
 TEST_CASE("what runs in another container is not run again, and nobody is told that nothing runs",
-          "[crash][safety][law]") {
+          "[safety]") {
     const auto elsewhere = [](const Words& command) {
         return Process(joined({"unshare", "--user", "--map-root-user", "--net"}, command),
                        {"DISPLAY", "WAYLAND_DISPLAY"})
@@ -251,8 +245,7 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
                     "'P1'") == "10");
 }
 
-TEST_CASE("a session that was stopped from a shell keeps its log, whoever else writes the file",
-          "[crash][law]") {
+TEST_CASE("a session that was stopped from a shell keeps its log, whoever else writes the file") {
     const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1, "2");
     ran({"stop", file});
@@ -261,7 +254,7 @@ TEST_CASE("a session that was stopped from a shell keeps its log, whoever else w
     CHECK(std::filesystem::exists(file + "-wal"));  // else what it goes on to write is lost
 }
 
-TEST_CASE("a program that is held up before its first answer keeps its session", "[crash][law]") {
+TEST_CASE("a program that is held up before its first answer keeps its session") {
     const TemporaryFile file("d.sqlite");
     const auto first = started(file, "0");
     REQUIRE(eventually([&] { return sql_now(file, "SELECT count(*) FROM session") == "1"; }));

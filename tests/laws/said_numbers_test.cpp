@@ -4,8 +4,7 @@
 
 // Where answers do not determine a number, fit and stats say so, and why.
 
-TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them",
-          "[fit][law]") {
+TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them") {
     const TemporaryFolder folder;
     write(folder.file("sep.csv"), "stimulus,n,k\n1,20,0\n2,20,0\n3,20,20\n4,20,20\n");
     const Json apart = fitted({folder.file("sep.csv"), "--lapse", "0"})["curves"][0]["threshold"];
@@ -42,8 +41,7 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
     }
 }
 
-TEST_CASE("digits tell an estimate from its interval, and single answers have no goodness of fit",
-          "[fit][law]") {
+TEST_CASE("digits tell an estimate from its interval, and single answers have no goodness of fit") {
     const TemporaryFolder folder;
     std::string near = "stimulus,n,k\n";
     std::string far = near;
@@ -81,8 +79,8 @@ TEST_CASE("digits tell an estimate from its interval, and single answers have no
     CHECK(fitted({folder.file("near.csv")})["curves"][0]["deviance_why"].is_null());
 }
 
-TEST_CASE("where the share does not grow no free rate has a number, unless another curve shares it",
-          "[fit][law]") {
+TEST_CASE(
+    "where the share does not grow no free rate has a number, unless another curve shares it") {
     const TemporaryFolder folder;
     const auto flat = [&](int k) {
         write(folder.file("flat.csv"),
@@ -120,8 +118,7 @@ TEST_CASE("where the share does not grow no free rate has a number, unless anoth
     CHECK(given["curves"][0]["log_likelihood_of"] == "this curve");
 }
 
-TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and --help says so",
-          "[fit][law]") {
+TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and --help says so") {
     CHECK_THAT(std::regex_replace(ran({"fit", "--help"}).out, std::regex("\\s+"), " "),
                Has("threshold=MEAN,SD (weibull: MEDIAN,SD of ln)"));
     const TemporaryFolder folder;
@@ -141,7 +138,7 @@ TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and -
     CHECK(threshold(10.0, "8,0.1") == Approx(10.0 * threshold(1.0, "0.8,0.1")).epsilon(1e-6));
 }
 
-TEST_CASE("a response that no shape has is refused by its line, or kept by word", "[stats][law]") {
+TEST_CASE("a response that no shape has is refused by its line, or kept by word") {
     const TemporaryFile file("t.csv");
     std::string text = "subject,trial,shape,friction,response\n";
     for (int i = 1; i <= 40; ++i) {
@@ -160,8 +157,7 @@ TEST_CASE("a response that no shape has is refused by its line, or kept by word"
     CHECK_THAT(kept.out, Has("one of 3 shapes"));
 }
 
-TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio",
-          "[stats][law]") {
+TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio") {
     const TemporaryFile file("t.csv");
     std::string text = "subject,trial,shape,friction,response\n";
     for (int i = 0; i < 160; ++i) {

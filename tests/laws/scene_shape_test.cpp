@@ -62,8 +62,7 @@ std::string surface(const std::string& points, const char* knots_u, int degree_u
 
 }  // namespace
 
-TEST_CASE("an outline is closed or clearly open: what nearly closes is refused where it ends",
-          "[cli][law]") {
+TEST_CASE("an outline is closed or clearly open: what nearly closes is refused where it ends") {
     SEEDED(random, 4U, 2904U);
     const double size = random.decade(-2.0, -1.0);
     const std::vector<Vec2> corners = ring(random, 3 + seed, size);
@@ -81,8 +80,7 @@ TEST_CASE("an outline is closed or clearly open: what nearly closes is refused w
     both_say(with_gap(0.3 * size), "", kPlanePoints);
 }
 
-TEST_CASE("an outline that crosses itself is refused with the place of the crossing",
-          "[cli][law]") {
+TEST_CASE("an outline that crosses itself is refused with the place of the crossing") {
     SEEDED(random, 4U, 2905U);
     const double size = random.decade(-1.7, -1.0);
     std::vector<Vec2> corners = ring(random, 6, size);
@@ -101,8 +99,7 @@ TEST_CASE("an outline that crosses itself is refused with the place of the cross
     both_say(lines_through(zigzag, {1.5 * size, -0.4 * size}), "", kPlanePoints);
 }
 
-TEST_CASE("a surface with a collapsed span is refused, however it lies in space",
-          "[cli][surface][law]") {
+TEST_CASE("a surface with a collapsed span is refused, however it lies in space") {
     SEEDED(random, 4U, 2906U);
     // Rows of two points; the second row repeats the first where it is asked to.
     const bool full_knots = seed % 2U == 1U;
@@ -129,8 +126,7 @@ TEST_CASE("a surface with a collapsed span is refused, however it lies in space"
     both_say(scene(0), "", kSpacePoints);
 }
 
-TEST_CASE("what is wrong with a scene is said at its place, and what its law does not read",
-          "[cli][law]") {
+TEST_CASE("what is wrong with a scene is said at its place, and what its law does not read") {
     for (const auto& row : test_rows("scene_problems.tsv")) {
         both_say(row.at(0), row.at(1), kPlanePoints);
     }
@@ -163,7 +159,7 @@ TEST_CASE("what is wrong with a scene is said at its place, and what its law doe
     }
 }
 
-TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "[cli]") {
+TEST_CASE("deform warns once, on standard error, of a step beyond the motion") {
     const TemporaryFile file("c.toml");
     // Both free points move as one (offline_tools_test.cpp): omega = sqrt(48 / 0.03) = 40 rad/s.
     const std::string bow =

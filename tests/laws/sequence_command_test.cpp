@@ -28,7 +28,7 @@ Words words_of_run(const std::string& participant, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("sequence prints exactly the plan that is run, before and after", "[sequence][law]") {
+TEST_CASE("sequence prints exactly the plan that is run, before and after") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
     ran({"sequence", "shape_friction_demo", "--participant", "demo"});
@@ -37,7 +37,7 @@ TEST_CASE("sequence prints exactly the plan that is run, before and after", "[se
     check_against(file, 1, {"shape_friction_demo", "--participant", "demo", "--db", file});
 }
 
-TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
+TEST_CASE("sequence knows another seed, another session, and who already ran") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     // As if a person had been there: the next row of pictures depends on it.
@@ -57,7 +57,7 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
     check_against(file, 3, second);
 }
 
-TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
+TEST_CASE("a session with a plan of another algorithm is refused, not mixed") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     sql_edit(file, "UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
@@ -67,8 +67,7 @@ TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[
         Has("begun with another version", "table plan"));
 }
 
-TEST_CASE("the plan of a session that was run under another code is printed as it was run",
-          "[sequence][law]") {
+TEST_CASE("the plan of a session that was run under another code is printed as it was run") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     ran({"participant", file, "P5", "--new"});
@@ -76,7 +75,7 @@ TEST_CASE("the plan of a session that was run under another code is printed as i
     check_against(file, 1, {"shape_friction_demo", "--participant", "P5", "--db", file});
 }
 
-TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
+TEST_CASE("sequence prints the exact plan of a file, and an example without one") {
     const TemporaryFile file("study.sqlite");
     const auto sequence = [&](const std::string& code, bool of_file) {
         return palpate_command(

@@ -13,8 +13,7 @@ const std::string kGuessing = test_text("shared_guess.csv");
 
 TEST_CASE(
     "one rate of all conditions, of lapses or guesses, is that of R's joint likelihood, its "
-    "intervals and p too",
-    "[fit][law]") {
+    "intervals and p too") {
     EACH(guess, false, true);
     const std::string rate = guess ? "guess" : "lapse";
     const std::size_t conditions = guess ? 2 : 3;
@@ -70,8 +69,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "intervals of a shared lapse rate hold the truth of simulated people, and it is off by nothing",
-    "[fit][law]") {
+    "intervals of a shared lapse rate hold the truth of simulated people, and it is off by "
+    "nothing") {
     constexpr double kLapse = 0.05;
     constexpr int kMany = 40;
     constexpr int kFew = 8;
@@ -126,7 +125,7 @@ TEST_CASE(
     CHECK(of_shared < 0.85 * of_own);
 }
 
-TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
+TEST_CASE("a rate that is shared with no other condition is free") {
     const TemporaryFile csv("d.csv");
     write(csv, kPeople.substr(0, kPeople.find("P0,b") - std::string("1,40,0,").size()));
     Json shared = fitted({csv, "--lapse", "shared", "--bootstrap", "60", "--guess", "lapse"});
@@ -141,7 +140,7 @@ TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
           Approx(ends[0].get<double>()).epsilon(1e-4));
 }
 
-TEST_CASE("a guess rate and a lapse rate that are both shared are refused", "[fit]") {
+TEST_CASE("a guess rate and a lapse rate that are both shared are refused") {
     const TemporaryFile file("d.csv");
     write(file, kGuessing);
     CHECK_THAT(ran({"fit", file, "--guess", "shared", "--lapse", "shared"}, 2).error,

@@ -35,8 +35,7 @@ std::string content(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("any number of threads simulates the same bytes, and shards merged are the same study",
-          "[simulate][law]") {
+TEST_CASE("any number of threads simulates the same bytes, and shards merged are the same study") {
     const TemporaryFolder folder;
     const std::string one = folder.file("one.sqlite");
     ran(simulate({"--db", one, "--threads", "1"}));
@@ -105,8 +104,8 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
 }
 
-TEST_CASE("a simulation follows no link that somebody laid beside its file, and removes no other's",
-          "[simulate][law]") {
+TEST_CASE(
+    "a simulation follows no link that somebody laid beside its file, and removes no other's") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
     const std::string mine = folder.file("mine");
@@ -121,8 +120,7 @@ TEST_CASE("a simulation follows no link that somebody laid beside its file, and 
     CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
-TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes",
-          "[simulate][law]") {
+TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.sqlite");
     const std::string people = "8";
@@ -162,7 +160,7 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     CHECK(folder.names() == left);
 }
 
-TEST_CASE("a file that is whole is left, and one of something else is refused", "[simulate][law]") {
+TEST_CASE("a file that is whole is left, and one of something else is refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const Words same = simulate({"--db", file, "--no-traces"}, "2");
@@ -190,8 +188,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     ran({"summary", file});
 }
 
-TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed",
-          "[simulate][law]") {
+TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed") {
     const TemporaryFile file("d.sqlite");
     ran(simulate({"--db", file}, "2"));
     sql_edit(file,
@@ -201,8 +198,7 @@ TEST_CASE("verify asks the drawn person again: an observer that was not the one 
     CHECK_THAT(ran({"verify", file}, 1).out, Has("response.reaction_s"));
 }
 
-TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none",
-          "[simulate][law]") {
+TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none") {
     const TemporaryFolder folder;
     write(folder.file("study.toml"),
           edited(slurp(kFourTrials), {{"repetitions = 1", "repetitions = 5"},
@@ -229,8 +225,7 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
     CHECK(none.back() > 0.0);
 }
 
-TEST_CASE("a study whose ticks were not kept has none in sample, and is reported without maps",
-          "[simulate][report]") {
+TEST_CASE("a study whose ticks were not kept has none in sample, and is reported without maps") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
@@ -248,7 +243,7 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     CHECK_THAT(again.error, Has("has no ticks: it was simulated with --no-traces"));
 }
 
-TEST_CASE("what simulate names as next looks at the answers of any protocol", "[simulate]") {
+TEST_CASE("what simulate names as next looks at the answers of any protocol") {
     const TemporaryFolder folder;
     const std::string rating =
         "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n";

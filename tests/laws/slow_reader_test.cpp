@@ -55,8 +55,7 @@ std::string answers(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("a session goes on while nobody reads what it says, and who reads late reads all of it",
-          "[crash][law]") {
+TEST_CASE("a session goes on while nobody reads what it says, and who reads late reads all of it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const FullPipe pipe(folder.file("pipe"));
@@ -73,8 +72,7 @@ TEST_CASE("a session goes on while nobody reads what it says, and who reads late
     CHECK_THAT(read, Has("10 trials", "\n#1 ", "\n#10 ", "Seal ", "Finished."));
 }
 
-TEST_CASE("a session ends as it does, and is stopped, whether or not anybody reads what it says",
-          "[crash][law]") {
+TEST_CASE("a session ends as it does, and is stopped, whether or not anybody reads what it says") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const FullPipe pipe(folder.file("pipe"));

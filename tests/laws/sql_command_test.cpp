@@ -48,7 +48,7 @@ void check_same(const std::string& ours, const std::string& theirs) {
 
 }  // namespace
 
-TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
+TEST_CASE("palpate sql prints tables, CSV and JSON") {
     const Finished table = sql("SELECT 'a, \"b\"' AS text, 1.5 AS x, NULL AS n, '' AS e");
     CHECK(table.code == 0);
     CHECK(table.out == "text    x    n  e\n------  ---  -  -\na, \"b\"  1.5\n");
@@ -75,7 +75,7 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
     CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
 }
 
-TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost", "[sql]") {
+TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost") {
     std::string sentence;  // of trace_column
     for (const std::string& line : lines_in(sql(".tables").out)) {
         CHECK(line.size() <= 110);
@@ -92,14 +92,14 @@ TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost",
     CHECK_THAT(sql(".help").out, Has("n of n hits count as n - 1/2"));
 }
 
-TEST_CASE("the queries that .help recommends run, and find something", "[sql]") {
+TEST_CASE("the queries that .help recommends run, and find something") {
     const Words queries = between(sql(".help").out, "SELECT", ";");
     REQUIRE(queries.size() == 1);
     const Finished found = ended(sql("SELECT" + queries.front(), {"--csv"}));
     CHECK(found.out.find('\n') + 1 < found.out.size());
 }
 
-TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
+TEST_CASE("what SQLite refuses comes with its place, and exit code 1") {
     const Finished wrong = sql("SELECT count(*)\nFROM trial\nWHERE fnord = 1");
     CHECK(wrong.code == 1);
     CHECK(wrong.error == "palpate: 3:7: no such column: fnord\n  WHERE fnord = 1\n        ^\n");
@@ -112,7 +112,7 @@ TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") 
     CHECK(palpate_command({"sql", "/nowhere/a.sqlite", "-c", "SELECT 1"}).code != 0);
 }
 
-TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
+TEST_CASE("palpate sql changes nothing, whatever it is asked") {
     const std::string before = sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out;
     const TemporaryFolder folder;
     for (const std::string& query :
@@ -133,7 +133,7 @@ TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
     CHECK(sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out == before);
 }
 
-TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
+TEST_CASE("the shell reads statements of many lines from a pipe, and words") {
     const TemporaryFile file("in.sql");
     std::ofstream(file)
         << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
@@ -150,7 +150,7 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
     CHECK(sql(".quit\nSELECT 1").out.empty());
 }
 
-TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
+TEST_CASE("sqlite3 with the extension says what palpate sql says") {
     if (!others_load_extension() || !installed("sqlite3", {"sqlite3", "--version"})) {
         return;
     }
@@ -163,7 +163,7 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
     }
 }
 
-TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
+TEST_CASE("Python with the extension says what palpate sql says") {
     if (!others_load_extension()) {
         return;
     }
@@ -185,8 +185,7 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
     }
 }
 
-TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
-          "[sql][extension][law]") {
+TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree") {
     if (!others_load_extension() ||
         !installed("R with RSQLite", {"Rscript", "-e", "library(RSQLite)"})) {
         return;

@@ -59,8 +59,7 @@ bool begins(WindowSession& session) {
 
 }  // namespace
 
-TEST_CASE("a trial begins with the handle at the start, and nowhere else",
-          "[window][haply][gate][law]") {
+TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[window][haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string file = folder.file("d.sqlite");
@@ -98,7 +97,7 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
 }
 
 TEST_CASE("in a ring that reaches into an object no trial begins where it does",
-          "[window][haply][gate][law]") {
+          "[window][haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     Gated session(folder, board,
@@ -114,7 +113,7 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
 
 TEST_CASE(
     "at the second interval, too, the handle comes to the start, and a board that is gone says",
-    "[window][haply][gate][law]") {
+    "[window][haply]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
     Gated session(folder, *board, shipped("softness_2afc"));
@@ -164,7 +163,7 @@ TEST_CASE(
 }
 
 TEST_CASE("in space a trial begins within the start's radius, in each direction",
-          "[window][open][gantry][gate][law]") {
+          "[window][open]") {
     const TemporaryFolder folder;
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
@@ -179,7 +178,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
-TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
+TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window]") {
     PointerSession session(
         edited(four_trials(), {{"explore_min_s = 0.5", "explore_min_s = 0.1"},
                                {"gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3"}}));

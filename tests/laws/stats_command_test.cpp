@@ -106,8 +106,7 @@ std::map<std::string, int> compare(const std::string& printed, const Json& ours)
 
 }  // namespace
 
-TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied and not",
-          "[stats][law]") {
+TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied and not") {
     const Finished known =
         Process({"Rscript", "-e", "cat(nzchar(system.file(package = 'lme4')))"}).wait();
     if (known.code != 0) {
@@ -173,7 +172,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
                              HasNone("log-linear", "d'"));
 }
 
-TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[stats]") {
+TEST_CASE("palpate stats prints what its JSON holds, the same every time") {
     const TemporaryFile file("d.csv");
     write(file, made_up(6, 40, false));
     const Words words{file, "--simulations", "60"};
@@ -214,7 +213,7 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
     CHECK(other["applied"]["people"] != part["people"]);
 }
 
-TEST_CASE("palpate stats of a few people says what cannot be known from them", "[stats]") {
+TEST_CASE("palpate stats of a few people says what cannot be known from them") {
     const TemporaryFolder folder;
     CHECK_THAT(ran({"stats", write(folder.file("one.csv"), made_up(1, 30, false))}).out,
                Has("one person: nothing follows for others") && !Has("Mixed model"));
@@ -280,8 +279,7 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
     }
 }
 
-TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy",
-          "[stats]") {
+TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
     for (const auto& row : test_rows("stats_refusals.tsv")) {  // the table, words, and what is said
@@ -294,8 +292,7 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
     no_stats({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
 }
 
-TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
-          "[stats]") {
+TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody") {
     const TemporaryFolder folder;
     std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 4"},
                                                   {"break_every = 0", "break_every = 5"}});

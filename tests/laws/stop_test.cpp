@@ -60,7 +60,7 @@ private:
 TEST_CASE(
     "whoever takes the window away, types at the terminal, calls from a shell or presses the "
     "button ends the force, and the experimenter's chord alone goes on",
-    "[window][haply][safety][law]") {
+    "[window][haply][safety]") {
     const TemporaryFolder folder;
     const Terminal terminal;
     StopButton button(folder.file("button"));
@@ -144,7 +144,7 @@ TEST_CASE(
 
 TEST_CASE(
     "on the pointer, too, a keyboard that goes elsewhere ends a trial until the chord goes on",
-    "[window][safety][law]") {
+    "[window][safety]") {
     EACH(size, as<std::string>{}, "--windowed", "--fullscreen");
     PointerSession session(four_trials(), {size});
     XHand& hand = session.hand();
@@ -166,7 +166,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Escape holds a session on any screen, and a question without its keys is noted",
-          "[window][safety][law]") {
+          "[window][safety]") {
     PointerSession session(four_trials(), {"--windowed"});
     XHand& hand = session.hand();
     const auto stops = [&](const char* screen) {
@@ -209,7 +209,7 @@ TEST_CASE("Escape holds a session on any screen, and a question without its keys
 
 // With those that have boards: palpate stop asks a rig that is being commissioned, too.
 TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal end the force",
-          "[open][safety][law]") {
+          "[open][safety]") {
     const TemporaryFolder folder;
     const Terminal terminal;
     const StopButton button(folder.file("button"));  // a session with one listens without a window
@@ -253,8 +253,7 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     CHECK(terminal.as_before());
 }
 
-TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on",
-          "[window][stop][law]") {
+TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on", "[window]") {
     PointerSession session(replaced(four_trials(), "break_every = 0", "break_every = 1"));
     const auto stopped = [&] {
         ran({"stop", session.database()});

@@ -83,7 +83,7 @@ void same_numbers(const std::string& line, const Json& rows, const std::string& 
 
 }  // namespace
 
-TEST_CASE("palpate summary says of people what R says of the same answers", "[summary][law]") {
+TEST_CASE("palpate summary says of people what R says of the same answers") {
     if (!has_r()) {
         return;
     }
@@ -110,8 +110,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
     CHECK_THAT(ours, Has(lines[24], lines[25]));
 }
 
-TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
-          "[summary]") {
+TEST_CASE("with one person or two, palpate summary says what can be said and what cannot") {
     const TemporaryFolder folder;
     answer(folder.file("one.sqlite"), small_protocol(4), 1);
     CHECK_THAT(summary_of(folder.file("one.sqlite")),
@@ -124,7 +123,7 @@ TEST_CASE("with one person or two, palpate summary says what can be said and wha
                    "below 0.5"));
 }
 
-TEST_CASE("answers that are neither right nor wrong are summed up object by object", "[summary]") {
+TEST_CASE("answers that are neither right nor wrong are summed up object by object") {
     const bool rating = GENERATE(false, true);
     const TemporaryFile file("a.sqlite");
     protocols::Protocol protocol = small_protocol(4);
@@ -148,8 +147,7 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
     CHECK_THAT(text, !Has("share correct"));
 }
 
-TEST_CASE("palpate summary says of an adaptive run what R computes from its answers",
-          "[summary][adaptive][law]") {
+TEST_CASE("palpate summary says of an adaptive run what R computes from its answers") {
     if (!has_r()) {
         return;
     }

@@ -16,8 +16,7 @@ std::string plate(double from, double to, double slope, const std::string& more 
 
 }  // namespace
 
-TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plate in one",
-          "[cli][surface][law]") {
+TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plate in one") {
     Random random(20261123);
     const double slope = GENERATE(0.0, 0.3);
     std::string path = "t_s,x_m,y_m,z_m\n";
@@ -46,7 +45,7 @@ TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plat
     CHECK(std::ranges::max(whole.at("fn_n")) > 1.0);
 }
 
-TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][law]") {
+TEST_CASE("over a hole the closest point lies on its border") {
     // The hole is -0.02 to 0.02 by -0.01 to 0.01.
     const std::string scene =
         plate(-0.05, 0.05, 0.0, "trim_loops = [[0.3, 0.4, 0.3, 0.6, 0.7, 0.6, 0.7, 0.4]]\n");
@@ -68,8 +67,7 @@ TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][la
     CHECK(std::ranges::count(found.at("unproven"), 0.0) == 200);
 }
 
-TEST_CASE("surfaces that cannot be one object are refused with value and remedy",
-          "[cli][surface]") {
+TEST_CASE("surfaces that cannot be one object are refused with value and remedy") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), "x_m,y_m,z_m\n0,0,0.01\n");
     const auto refused = [&](const std::string& scene, const char* why) {

@@ -43,15 +43,13 @@ const Recorded& recorded() {
 
 }  // namespace
 
-TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it",
-          "[surface-session][law]") {
+TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it") {
     const Recorded& session = recorded();
     CHECK_THAT(ran({"verify", session.file}).out, Has("Nothing differs"));
     CHECK(sql_row(session.file, "SELECT device FROM session") == "simulated gantry");
 }
 
-TEST_CASE("what sample says of surfaces is what their geometry and laws ask for",
-          "[surface-session][law]") {
+TEST_CASE("what sample says of surfaces is what their geometry and laws ask for") {
     for (const auto& query : test_rows("surface_truths.tsv")) {
         CAPTURE(query);
         CHECK(sql_row(recorded().file, query.at(0)) == "1");
@@ -60,8 +58,7 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
 
 TEST_CASE(
     "recorded forces on surfaces come back to the bit from the database alone, and again on a "
-    "replayed hand",
-    "[surface-session][law]") {
+    "replayed hand") {
     const Recorded& session = recorded();
     data::Database database(session.file, data::Access::read);
     auto text = database.first("SELECT protocol_toml FROM study");
@@ -97,7 +94,7 @@ TEST_CASE(
           palpate_command({"sql", session.file, "-c", forces}).out);
 }
 
-TEST_CASE("an export of surfaces has every coordinate", "[surface-session][export]") {
+TEST_CASE("an export of surfaces has every coordinate") {
     const Recorded& session = recorded();
     const std::string out = session.folder.file("csv");
     ran({"export", session.file, "-o", out, "--kind", "simulated", "--traces"});
@@ -105,7 +102,7 @@ TEST_CASE("an export of surfaces has every coordinate", "[surface-session][expor
                Has("hip_z_m", "go_z_m", "cp_z_m", "rendered_z_n", "commanded_z_n"));
 }
 
-TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-session][report]") {
+TEST_CASE("a report of surfaces names both curvatures of each patch") {
     const Recorded& session = recorded();
     const std::string page = session.folder.file("report.html");
     ran({"report", session.file, "--kind", "simulated", "--simulations", "19", "--bootstrap", "19",
@@ -113,7 +110,7 @@ TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-
     CHECK_THAT(slurp(page), Has("saddle (-8 and 8 1/m)"));
 }
 
-TEST_CASE("another friction than what was felt is found", "[surface-session][verify]") {
+TEST_CASE("another friction than what was felt is found") {
     const Recorded& session = recorded();
     const std::string copy = copied(session.file, session.folder.file("changed.sqlite"));
     sql_edit(copy,
@@ -122,8 +119,7 @@ TEST_CASE("another friction than what was felt is found", "[surface-session][ver
     CHECK_THAT(ran({"verify", copy}, 1).out, Has("presentation.mu_d"));
 }
 
-TEST_CASE("surfaces are refused on machines in a plane, and with what only planes have, by name",
-          "[surface-session]") {
+TEST_CASE("surfaces are refused on machines in a plane, and with what only planes have, by name") {
     const TemporaryFolder folder;
     const std::string protocol = study(folder);
     for (const char* device : {"haply-emulator", "haply:/dev/null", "mouse"}) {

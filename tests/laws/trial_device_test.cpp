@@ -56,8 +56,8 @@ void break_off(const std::string& file, const std::string& device) {
 
 }  // namespace
 
-TEST_CASE("each trial has its own device: another one is meant or refused, kept, said and verified",
-          "[verify][law]") {
+TEST_CASE(
+    "each trial has its own device: another one is meant or refused, kept, said and verified") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     break_off(file, "sim");

@@ -5,8 +5,7 @@
 #include "tests/support/rig_file.hpp"
 #include "tests/support/sql_first.hpp"
 
-TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1, a sound file",
-          "[cli][fault][law]") {
+TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1, a sound file") {
     const TemporaryFolder folder;
     const std::string protocol =
         write(folder.file("slow.toml"),
@@ -30,7 +29,7 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
 }
 
 TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and another day goes on",
-          "[cli][fault][haply][law]") {
+          "[haply]") {
     const TemporaryFile file("d.sqlite");
     const Words words =
         run_words("shape_friction_haply", "P1", file, {"--device", "haply-emulator"});
@@ -72,8 +71,7 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
     }
 }
 
-TEST_CASE("the doctor fails a board that is not there with the remedy and exit code 1",
-          "[cli][doctor][fault]") {
+TEST_CASE("the doctor fails a board that is not there with the remedy and exit code 1") {
     const TemporaryFile file("d.sqlite");
     const Finished doctor = ran({"doctor", "--device", "haply:/nonexistent", "--protocol",
                                  "shape_friction_haply", "--seconds", "0.1", "--db", file},
@@ -83,8 +81,7 @@ TEST_CASE("the doctor fails a board that is not there with the remedy and exit c
     CHECK_THAT(doctor.out, !Has("passivity and force"));
 }
 
-TEST_CASE("the doctor says by what margin the device can render a protocol, or that it cannot",
-          "[cli][doctor][law]") {
+TEST_CASE("the doctor says by what margin the device can render a protocol, or that it cannot") {
     const TemporaryFolder folder;
     const std::string stiff =
         write(folder.file("stiff.toml"),
@@ -106,7 +103,7 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
     }
 }
 
-TEST_CASE("a question at the terminal obeys a signal, and nothing is begun", "[cli][fault][law]") {
+TEST_CASE("a question at the terminal obeys a signal, and nothing is begun") {
     const TemporaryFolder folder;
     EACH(number, SIGINT, SIGTERM, SIGHUP);
     const std::string rig = commissioned_rig(folder, "haply:/nonexistent");

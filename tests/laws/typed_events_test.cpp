@@ -23,8 +23,7 @@ void cut(const std::string& file, int attempts) {
 
 }  // namespace
 
-TEST_CASE("a session goes on alike whatever the sentences of its events say",
-          "[laws][events][law]") {
+TEST_CASE("a session goes on alike whatever the sentences of its events say") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run(file, "continue"));

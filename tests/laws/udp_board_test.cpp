@@ -72,7 +72,7 @@ void speak_as(std::uint16_t host, std::uint16_t board, std::mt19937& rng) {
 }  // namespace
 
 TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and says where nobody is",
-          "[laws][open][doctor]") {
+          "[open]") {
     const TemporaryFolder folder;
     Process emulator({palpate_program(), "haply-emulator", "--open", "--udp", "0"});
     REQUIRE(eventually([&] { return emulator.out().find('\n') != std::string::npos; }));
@@ -95,7 +95,7 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
 TEST_CASE(
     "a stranger at a UDP port is distinguished from a cable, and a board that is in use from a "
     "silent one",
-    "[laws][open][doctor]") {
+    "[open]") {
     const TemporaryFolder folder;
     const std::uint16_t number = free_port();
     const std::string port = std::to_string(number);
@@ -128,7 +128,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the board",
-          "[window][open][law]") {
+          "[window][open]") {
     const TemporaryFolder folder;
     TypedTo typed(folder, "keys", "haply-emulator --open --udp 0");
     const Process& emulator = typed.program();

@@ -20,8 +20,7 @@ bool only_sealed(const std::string& column) {
 
 }  // namespace
 
-TEST_CASE("one changed value in any column of any table of results is reported",
-          "[long][verify][law]") {
+TEST_CASE("one changed value in any column of any table of results is reported", "[long]") {
     const TemporaryFolder folder;
     data::Database database(mixed_study(folder), data::Access::write);
     CAPTURE(text_of(data::verify(database)));
@@ -53,8 +52,7 @@ TEST_CASE("one changed value in any column of any table of results is reported",
     CHECK(columns > 140);
 }
 
-TEST_CASE("rows that were swapped, moved, copied, added or taken away are reported",
-          "[verify][law]") {
+TEST_CASE("rows that were swapped, moved, copied, added or taken away are reported") {
     const TemporaryFolder folder;
     data::Database database(mixed_study(folder), data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF");
@@ -116,7 +114,7 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
     CHECK(text_of(data::verify(database)).empty());
 }
 
-TEST_CASE("what a lab calls sample is its own, and no query is answered by it", "[verify][sql]") {
+TEST_CASE("what a lab calls sample is its own, and no query is answered by it") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     const auto answer = [&](const std::string& query) {

@@ -43,8 +43,7 @@ std::string quick_session(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it changes",
-          "[verify][law]") {
+TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it changes") {
     const TemporaryFile file("a.sqlite");
     ran({"demo", "--headless", "--db", file});
     ran({"demo", "--headless", "--db", file});
@@ -58,7 +57,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
                Has("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
 }
 
-TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
+TEST_CASE("a session keeps which binary, which libraries and which geometry made it") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     ran(words_in(folder, "a.sqlite"));
@@ -81,8 +80,7 @@ TEST_CASE("a session keeps which binary, which libraries and which geometry made
     CHECK(value("object sha256 straight") != value("object sha256 convex_5"));
 }
 
-TEST_CASE("any changed value of a result, and any changed bit of a trace, is reported",
-          "[verify][law]") {
+TEST_CASE("any changed value of a result, and any changed bit of a trace, is reported") {
     const TemporaryFolder folder;
     data::Database database(quick_session(folder), data::Access::write);
     REQUIRE(text_of(data::verify(database)).empty());
@@ -99,8 +97,8 @@ TEST_CASE("any changed value of a result, and any changed bit of a trace, is rep
 }
 
 TEST_CASE(
-    "a tick that does not follow from its HIP is reported, also in a chunk whose checksum is right",
-    "[verify][law]") {
+    "a tick that does not follow from its HIP is reported, also in a chunk whose checksum is "
+    "right") {
     const TemporaryFolder folder;
     data::Database database(quick_session(folder), data::Access::write);
     for (std::uint64_t seed = 0; seed < cases(80U); ++seed) {
@@ -118,7 +116,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a row that is gone is reported", "[verify][law]") {
+TEST_CASE("a row that is gone is reported") {
     const TemporaryFolder folder;
     data::Database database(quick_session(folder), data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF");
@@ -141,8 +139,7 @@ TEST_CASE("a row that is gone is reported", "[verify][law]") {
     }
 }
 
-TEST_CASE("a session whose device trips verifies as that, and its last ticks are watched over",
-          "[verify][fault][law]") {
+TEST_CASE("a session whose device trips verifies as that, and its last ticks are watched over") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"), "dead_man = false", "speed_limit_m_per_s = 0.12");
     const Finished run = palpate_command(words_in(folder, "a.sqlite"));
@@ -167,7 +164,7 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
 
 TEST_CASE(
     "a file verifies while its session runs, after it was killed, interrupted and gone on with",
-    "[long][verify][law]") {
+    "[long]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
@@ -215,8 +212,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a difference is reported with trial, column, stored and recomputed value, other files with 2",
-    "[verify][cli]") {
+    "a difference is reported with trial, column, stored and recomputed value, other files with "
+    "2") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
