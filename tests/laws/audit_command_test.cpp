@@ -1,13 +1,12 @@
-#include <nlohmann/json.hpp>
-
 #include "data/inference/audit.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
-TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
+TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %") {
     // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to
     // 2.2930053.
     const std::vector<double> sleep{1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4};
@@ -25,8 +24,7 @@ TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audi
     CHECK_FALSE(equivalence(std::vector{0.7}, 0.5));
 }
 
-TEST_CASE("a difference as large as the bound is called the same in 5 % of samples",
-          "[audit][law]") {
+TEST_CASE("a difference as large as the bound is called the same in 5 % of samples") {
     Random random(7);
     constexpr int kSamples = 4000;
     const double bound = random.coin() ? 1.0 : -1.0;
@@ -46,28 +44,22 @@ TEST_CASE("a difference as large as the bound is called the same in 5 % of sampl
     CHECK(share < 0.05 + 0.014);
 }
 
-TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not",
-          "[audit][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not") {
+    const TemporaryFile file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         ran(run_words(kFourTrials, person, file, {"--device", "sim"}));
     }
     const auto audit = [&] {
         return palpate_command({"audit", file, "--kind", "simulated"});
     };
-    const auto line_of = [](const std::string& text, const std::string& start) {
-        const std::size_t at = text.find(start);
-        return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
-    };
     const Finished first = ended(audit());
     CHECK_THAT(first.out, Has("on - off"));
     for (const char* of : {"start, to the right", "start, away", "late ticks", "saturated ticks",
                            "stale ticks", "trials with a gap"}) {
-        CHECK_THAT(line_of(first.out, of), Has("the same"));
+        CHECK_THAT(behind(first.out, of), Has("the same"));
     }
     sql_edit(file, "UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
-    const std::string moved = line_of(audit().out, "start, to the right");
+    const std::string moved = behind(audit().out, "start, to the right");
     CAPTURE(moved);
     CHECK_THAT(moved, Has("DIFFERS", " 0.0040 "));
 
@@ -76,31 +68,27 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     sql_edit(file,
              "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
              "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
-    const std::string second =
-        sql_csv(file,
-                "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
-                "participant_code = 'P2'")
-            .substr(2, 14);
+    const std::string second = sql_row(
+        file,
+        "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE participant_code = 'P2'");
     CHECK_THAT(audit().out,
                Has("no answer with friction on, so no difference with it: " + second + "\n"));
-    CHECK_THAT(line_of(audit().out, "late ticks"), Has("  2  "));
+    CHECK_THAT(behind(audit().out, "late ticks"), Has("  2  "));
     CHECK_THAT(page_of(file, {"--kind", "simulated"}),
                Has("There is no answer with friction on, so no "
                    "difference with it: " +
                    second + "."));
-    const auto made = nlohmann::json::parse(
-        palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
+    const auto made = json_of({"audit", file, "--kind", "simulated"});
     CHECK(made.at("no_answer_with").dump() ==
           R"([{"friction":"on","people":[")" + second + R"("]}])");
 
-    const Finished real = ran({"audit", file}, 2);
-    CHECK_THAT(real.error, Has("nothing in answered trials of real sessions:",
-                               "--kind chooses other sessions"));
+    CHECK_THAT(ran({"audit", file}, 2).error, Has("nothing in answered trials of real sessions:",
+                                                  "--kind chooses other sessions"));
     CHECK_THAT(ran({"audit", file, "--study", "four_trials"}, 2).error,
                Has("nothing in answered trials of real sessions of the study four_trials: "));
 }
 
-TEST_CASE("no number is made of the answers of who does not consent", "[audit][stats][report]") {
+TEST_CASE("no number is made of the answers of who does not consent") {
     const TemporaryFolder folder;
     const auto record = [&](const std::string& name, const Words& codes) {
         for (const std::string& code : codes) {

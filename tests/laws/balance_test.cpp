@@ -1,21 +1,18 @@
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/studies.hpp"
 
-TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick",
-          "[study][law]") {
+TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick") {
     const TemporaryFile file("d.sqlite");
     ran(run_words("shape_friction", "P1", file, {"--headless"}));
     data::Database database(file, data::Access::read);
-    auto cells = database.first(
-        "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial WHERE "
-        "counts AND phase = 'main' GROUP BY planned_object, friction)");
-    CHECK(cells.integer(0) == 10);
-    CHECK(cells.integer(1) == 10);
-    CHECK(cells.integer(2) == 10);
-    auto phases = database.first(
-        "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE counts");
-    CHECK(phases.integer(0) == 10);
-    CHECK(phases.integer(1) == 4);
+    CHECK(lines(database,
+                "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial "
+                "WHERE counts AND phase = 'main' GROUP BY planned_object, friction)") ==
+          "10 10 10 \n");
+    CHECK(lines(database,
+                "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE "
+                "counts") == "10 4 \n");
 
     auto trial = database.prepare("SELECT trial_id, friction FROM analysis_trial WHERE counts");
     int outside = 0;

@@ -1,4 +1,3 @@
-#include "data/store/database.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
@@ -19,8 +18,8 @@ Words words(const std::string& file,
 std::unique_ptr<Process> run_to_third(const std::string& file,
                                       const std::string& participant = "P1",
                                       const std::string& said = "\n#2 ") {
-    const Words command = command_of(words(file, participant, "10"));
-    auto running = std::make_unique<Process>(command, kNoDisplay);
+    auto running =
+        std::make_unique<Process>(command_of(words(file, participant, "10")), kNoDisplay);
     REQUIRE(running->says(said));
     return running;
 }
@@ -34,14 +33,27 @@ void await_log(const std::string& file) {
     }));
 }
 
+/// Such a session, killed in that trial.
+void killed_at_third(const std::string& file,
+                     const std::string& participant = "P1",
+                     const std::string& said = "\n#2 ") {
+    const auto running = run_to_third(file, participant, said);
+    await_log(file);
+    running->ended_by(SIGKILL);
+}
+
+/// Nothing in it differs.
+void check_clean(const std::string& file) {
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+}
+
 std::string answers(const std::string& file) {
     return sql_lines(file, "SELECT count(*) FROM response");
 }
 
 }  // namespace
 
-TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on",
-          "[crash][law]") {
+TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(words(file));
@@ -50,24 +62,21 @@ TEST_CASE("a file deleted in the midst of a trial is there again, and the same c
     std::filesystem::remove(file);
     check_end(running->wait(), 1, Has("d.sqlite: it was deleted", "in it again: run again"));
     CHECK(folder.names() == Words{"d.sqlite"});
-    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    check_clean(file);
     const int before = std::stoi(answers(file));
     CHECK(before >= 12);
     CHECK_THAT(ran(words(file, "P2")).out, Has("Resuming at ", "Finished."));
     CHECK(answers(file) == "20\n");
-    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    check_clean(file);
 }
 
-TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed with that log",
-          "[crash][law]") {
+TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed with that log") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string copy = folder.file("copy.sqlite");
     ran(words(file));
     std::filesystem::copy_file(file, copy);
-    const auto running = run_to_third(file, "P2", "\n#12 ");
-    await_log(file);
-    running->ended_by(SIGKILL);
+    killed_at_third(file, "P2", "\n#12 ");
     const std::string log = slurp(file + "-wal");
     std::filesystem::copy_file(copy, file, std::filesystem::copy_options::overwrite_existing);
     for (const auto& second :
@@ -79,19 +88,16 @@ TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed
     CHECK(slurp(file + "-wal") == log);
     std::filesystem::remove(file + "-wal");
     std::filesystem::remove(file + "-shm");
-    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    check_clean(file);
     ran(words(file, "P2"));
     CHECK(answers(file) == "20\n");
 }
 
-TEST_CASE("a file of two names is written under none of them, and no answer is lost",
-          "[crash][law]") {
+TEST_CASE("a file of two names is written under none of them, and no answer is lost") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string second = folder.file("second.sqlite");
-    const auto running = run_to_third(file);
-    await_log(file);
-    running->ended_by(SIGKILL);
+    killed_at_third(file);
     std::filesystem::create_hard_link(file, second);
     for (const std::string& name : {file, second}) {
         check_end(palpate_command(words(name)), 1, Has("has 2 names (hard links)"));
@@ -99,11 +105,10 @@ TEST_CASE("a file of two names is written under none of them, and no answer is l
     std::filesystem::remove(second);
     ran(words(file));
     CHECK(answers(file) == "10\n");
-    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    check_clean(file);
 }
 
-TEST_CASE("of a session's file nobody reads a second name, and is told which to use",
-          "[crash][law]") {
+TEST_CASE("of a session's file nobody reads a second name, and is told which to use") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string second = folder.file("second.sqlite");
@@ -111,10 +116,10 @@ TEST_CASE("of a session's file nobody reads a second name, and is told which to 
     std::filesystem::create_hard_link(file, second);
     check_end(palpate_command({"status", second}), 1, Has("under another of its names"));
     CHECK(running->wait().code == 0);
-    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    check_clean(file);
 }
 
-TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere", "[crash][law]") {
+TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::filesystem::create_symlink("nowhere/x", file);
@@ -129,14 +134,11 @@ TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere"
     ran(words(file));
 }
 
-TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays",
-          "[crash][law]") {
+TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string moved = folder.file("moved.sqlite");
-    const auto running = run_to_third(file);
-    await_log(file);
-    running->ended_by(SIGKILL);
+    killed_at_third(file);
     std::filesystem::rename(file, moved);
     std::filesystem::remove(file + "-shm");
     const std::string log = slurp(file + "-wal");
@@ -165,21 +167,17 @@ TEST_CASE("no new file begins beside the log of one that was moved away, and tha
     ran({"verify", file});
 }
 
-TEST_CASE("what a crash left is exported, with the log beside it", "[crash][export][law]") {
+TEST_CASE("what a crash left is exported, with the log beside it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(words(file));
-    const auto running = run_to_third(file, "P2", "\n#12 ");
-    await_log(file);
-    running->ended_by(SIGKILL);
+    killed_at_third(file, "P2", "\n#12 ");
     ran({"export", file, "--kind", "all", "-o", folder.file("shared")});
     ran({"report", file, "--kind", "simulated", "-o", folder.file("report.html")});
 }
 
-TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place",
-          "[crash][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
+TEST_CASE("rows deleted by hand are said in a sentence where new ones take their place") {
+    const TemporaryFile file("d.sqlite");
     const auto running = run_to_third(file);
     CHECK(running->ended_by(SIGTERM) == 3);
     sql_edit(file,
@@ -190,8 +188,7 @@ TEST_CASE("rows deleted by hand are said in a sentence where new ones take their
     CHECK_THAT(end.error, !Has("INSERT"));
 }
 
-TEST_CASE("where too few files may be open nobody is said to have written over one",
-          "[crash][law]") {
+TEST_CASE("where too few files may be open nobody is said to have written over one") {
     std::string said;
     for (const char* files : {"10", "11", "12", "13"}) {
         const TemporaryFolder folder;

@@ -21,7 +21,7 @@ bool only_shows(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][law]") {
+TEST_CASE("what a terminal is sent is only shown, whatever the bytes") {
     Random random(10);
     for (int i = 0; i < 2'000; ++i) {
         std::string bytes;
@@ -41,8 +41,7 @@ TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][la
     CHECK(plain("çukur, 凹\n\tx") == "çukur, 凹  x");
 }
 
-TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can be read back",
-          "[data][law]") {
+TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can be read back") {
     const auto back = [](std::string field) {  // as csv_text.hpp says
         if (field.size() >= 2 && field.front() == '"') {
             field = field.substr(1, field.size() - 2);
@@ -68,12 +67,10 @@ TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can
     }
 }
 
-TEST_CASE("nothing that a file holds is an order to the terminal of who reads it", "[cli][law]") {
+TEST_CASE("nothing that a file holds is an order to the terminal of who reads it") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    const Words run{"run", "shape_friction_demo", "--participant", "P1",      "--db",
-                    db,    "--headless",          "--operator",    "@SUM(A1)"};
-    ran(run);
+    ran(run_words("shape_friction_demo", "P1", db, {"--headless", "--operator", "@SUM(A1)"}));
     ran({"note", db, "=HYPERLINK(\"http://x\",\"y\")", "--participant", "P1"});
     ran({"note", db, "-5", "--participant", "P1"});
     ran({"participant", db, "P1", "--set", "from=+1+1", "--set", "age=-3"});
@@ -136,6 +133,6 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
         CHECK(only_shows(done.error));
     }
     const Finished json = palpate_command({"sql", db, "--json", "-c", "SELECT * FROM event"});
-    std::ofstream(folder.file("rows.json")) << json.out;
-    CHECK(Process({"python3", "-m", "json.tool", folder.file("rows.json")}).wait().code == 0);
+    const std::string rows = write(folder.file("rows.json"), json.out);
+    CHECK(Process({"python3", "-m", "json.tool", rows}).wait().code == 0);
 }

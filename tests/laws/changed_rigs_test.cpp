@@ -1,6 +1,5 @@
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/commissioning/short_form.hpp"
-#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "protocols/session/trust.hpp"
@@ -29,22 +28,18 @@ const Calibration& machine() {
 /// A board at a cable, a handle that nobody holds, and what a session has of them.
 class Bench : public protocols::Apparatus {
 public:
-    Bench() {
-        device_ =
-            std::make_unique<BoardDevice>(machine(), std::make_unique<BoardLink>(cable_),
-                                          haply_line, std::make_unique<ScriptedGuard>(guard_));
-    }
+    Bench() { desk_.open(machine()); }
 
     /// As `palpate commission` does it, at a right rig. @return its record, second mark and all
     [[nodiscard]] RigRecord commissioned() {
         const auto places = places_to_commission(machine(), *machine().home);
         const auto bring = [&](const Vec3& place) {
             handle.bring(Vec2(place));
-            cable_.pass(200'000'000);
+            desk_.cable.pass(200'000'000);
             return true;
         };
         CommissioningResult done =
-            commission(*device_, machine(), places, Vec3(PlantModel{}.handle_mass),
+            commission(*desk_.device, machine(), places, Vec3(PlantModel{}.handle_mass),
                        {.bring = bring, .wait = ticks(), .period = kPeriod});
         REQUIRE(done.refused.empty());
         done.record.mark = places.at(1);
@@ -70,36 +65,36 @@ public:
     }
 
     [[nodiscard]] bool has_proof() const noexcept override { return true; }
-    [[nodiscard]] bool reconnect() override { return device_->reconnect(); }
+    [[nodiscard]] bool reconnect() override { return desk_.device->reconnect(); }
     [[nodiscard]] bool began_anew() override {
-        return std::exchange(homings_, device_->homings()) != device_->homings();
+        return std::exchange(homings_, desk_.device->homings()) != desk_.device->homings();
     }
-    [[nodiscard]] ShortForm prove_place() override { return proof_.place(*device_); }
-    [[nodiscard]] ShortForm prove_motors() override { return proof_.motors(*device_); }
-    [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
+    [[nodiscard]] ShortForm prove_place() override { return proof_.place(*desk_.device); }
+    [[nodiscard]] ShortForm prove_motors() override { return proof_.motors(*desk_.device); }
+    [[nodiscard]] std::string trouble() const override { return desk_.device->trouble(); }
     void begin(const SceneView&, std::size_t, std::size_t) override {}
     ServoStatus advance() override { return ServoStatus::running; }
     void end() override {}
     [[nodiscard]] TickRing& ring() noexcept override { return ring_; }
     [[nodiscard]] double elapsed_s() const noexcept override { return 0.0; }
     [[nodiscard]] std::int64_t dropped() const noexcept override { return 0; }
-    [[nodiscard]] std::string device_name() const override { return device_->name(); }
+    [[nodiscard]] std::string device_name() const override { return desk_.device->name(); }
 
     /// Pulled out, changed, plugged in; a session sees the fault at its next tick.
     void replug(const std::function<void()>& meanwhile) {
-        cable_.plug(false);
-        static_cast<void>(device_->read());
+        desk_.cable.plug(false);
+        static_cast<void>(desk_.device->read());
         meanwhile();
-        cable_.plug(true);
+        desk_.cable.plug(true);
     }
     /// m from where the handle truly is to where the driver believes it.
     [[nodiscard]] double misplaced() {
-        PulseRunner runner(*device_, Machine(machine()), kPeriod, ticks());
+        PulseRunner runner(*desk_.device, Machine(machine()), kPeriod, ticks());
         const Pantograph linkage(machine().pantograph);
         const Vec2 truth = linkage.locate(handle.true_angles()).value().hip;
         return look_for(runner, machine(), {truth, 0.0}).off;
     }
-    void pass(std::int64_t ns) { cable_.pass(ns); }
+    void pass(std::int64_t ns) { desk_.cable.pass(ns); }
 
     MiswiredHandle handle{machine(), {}, {}};
 
@@ -107,17 +102,14 @@ private:
     static constexpr double kPeriod = 1e-3;
 
     [[nodiscard]] PulseRunner::Wait ticks() {
-        return [this, next = std::int64_t{0}]() mutable {
-            next = std::max(next + 1'000'000, cable_.now_ns());
-            cable_.pass(std::max<std::int64_t>(next - cable_.now_ns(), 100'000));
+        return [this] {
+            desk_.pass_tick();
             return true;
         };
     }
 
     HaplyBoard board_{handle, machine().pantograph, *machine().haply};
-    BoardCable cable_{board_};
-    ScriptedGuard::Script guard_;
-    std::unique_ptr<BoardDevice> device_;
+    BoardDesk desk_{board_, haply_line};
     protocols::RigProof proof_;
     std::size_t homings_ = 0;
     TickRing ring_{16};
@@ -239,7 +231,7 @@ RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& chang
 }  // namespace
 
 TEST_CASE("whatever becomes of a rig between two trials, none that is not right is believed",
-          "[safety][trust][law]") {
+          "[safety]") {
     const RigRecord record = Bench().commissioned();
     int right = 0;
     int right_proved = 0;
@@ -276,7 +268,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
 }
 
 TEST_CASE("whoever mends a motor may move an encoder: its place is proved again before it is felt",
-          "[safety][trust][law]") {
+          "[safety]") {
     const RigRecord record = Bench().commissioned();
     const bool slips = GENERATE(false, true);
     for (const std::uint64_t seed : schedules(6)) {
@@ -309,8 +301,7 @@ TEST_CASE("whoever mends a motor may move an encoder: its place is proved again 
     }
 }
 
-TEST_CASE("a break's looks find the place again once refused pulses are right",
-          "[session][trust][law]") {
+TEST_CASE("a break's looks find the place again once refused pulses are right") {
     World world;
     ChangingRig rig(world, 1, engine::Trip::none);  // first its place is refused, then its pulses
     rig.change();

@@ -10,7 +10,7 @@ void replace(const std::string& file, const std::string& from, const std::string
 
 }  // namespace
 
-TEST_CASE("a new protocol passes check, and is never written over a file", "[cli][law]") {
+TEST_CASE("a new protocol passes check, and is never written over a file") {
     for (const char* from : {"shape_friction", "shape_friction_demo", "shape_friction_haply"}) {
         CAPTURE(from);
         const TemporaryFolder folder;
@@ -25,25 +25,23 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
     }
 }
 
-TEST_CASE("new says what comes next as a shell takes it", "[cli][law]") {
+TEST_CASE("new says what comes next as a shell takes it") {
     const TemporaryFolder folder;
     CHECK_THAT(ran({"new", folder.file("two words.toml")}).out, Has("/two words.toml'\n"));
 }
 
-TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
+TEST_CASE("new refuses wrong words and paths, and makes nothing") {
     const TemporaryFolder folder;
     CHECK_THAT(ran({"new", folder.file("a.toml"), "--from", "shape"}, 2).error,
                Has("give one of curvature_2afc, "));
     CHECK_THAT(ran({"new", folder.file("no/a.toml")}, 2).error, Has("check the path"));
-    ran({"new"}, 2);
     CHECK(folder.names().empty());
     CHECK_THAT(
         ran({"new", "--keys"}).out,
         Has("damping_n_s_per_m", "first_order", ", or another law; each reads keys") && !Has("]("));
 }
 
-TEST_CASE("check says how many trials, which limits and how long, and draws the objects",
-          "[cli][law]") {
+TEST_CASE("check says how many trials, which limits and how long, and draws the objects") {
     const TemporaryFolder folder;
     const Finished check =
         ran({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
@@ -57,14 +55,13 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
     CHECK(folder.names() == Words{"objects.svg"});
 }
 
-TEST_CASE("check warns of motors that are heard, not of a pointer's", "[cli]") {
+TEST_CASE("check warns of motors that are heard, not of a pointer's") {
     CHECK_THAT(ran({"check", "curvature_2afc"}).out, Has("motors can be heard"));
     CHECK_THAT(ran({"check", "curvature_2afc", "--device", "mouse"}).out,
                !Has("motors can be heard"));
 }
 
-TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot render it",
-          "[cli][law]") {
+TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot render it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
     ran({"new", file});
@@ -83,7 +80,7 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
     ran({"check", "shape_friction", "--device", "toaster"}, 2);
 }
 
-TEST_CASE("blocks and the first-order order of a file reach the plan that is run", "[cli][law]") {
+TEST_CASE("blocks and the first-order order of a file reach the plan that is run") {
     const TemporaryFile file("p.toml");
     ran({"new", file});
     replace(file, "blocks = 1 ", "blocks = 5 ");
@@ -98,7 +95,7 @@ TEST_CASE("blocks and the first-order order of a file reach the plan that is run
                Has("first-order balanced", "111 trials: 11 practice, 100 main"));
 }
 
-TEST_CASE("check says how coarse encoders are without a power of ten", "[cli][law]") {
+TEST_CASE("check says how coarse encoders are without a power of ten") {
     const TemporaryFile file("coarse.toml");
     engine::Calibration coarse = protocols::load_calibration("2diy_gen3");
     coarse.pantograph.axes[0].counts_per_turn = coarse.pantograph.axes[1].counts_per_turn = 400.0;
@@ -108,8 +105,7 @@ TEST_CASE("check says how coarse encoders are without a power of ten", "[cli][la
     CHECK_THAT(said.out, !Has("e+0"));
 }
 
-TEST_CASE("check says first how long it takes, where the breaks are and what to think of",
-          "[cli][law]") {
+TEST_CASE("check says first how long it takes, where the breaks are and what to think of") {
     const TemporaryFile file("p.toml");
     ran({"new", file});
     const Finished before = palpate_command({"check", file});
@@ -144,7 +140,7 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
     CHECK_THAT(palpate_command({"check", file, "--font", file}).error, Has("this is no font"));
 }
 
-TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {
+TEST_CASE("a rule beside a design is answered at its place, with which to keep") {
     const TemporaryFile file("p.toml");
     ran({"new", file, "--from", "curvature_2afc"});
     ran({"check", file});

@@ -1,4 +1,3 @@
-#include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/udp_port.hpp"
@@ -6,11 +5,18 @@
 // A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal
 // whose handle nobody holds, an operator who types, and what is left in files and on the wire.
 
-TEST_CASE("commission writes a calibration with the damping it found, its record and their hash",
-          "[commission][law]") {
+namespace {
+
+std::string commissioning(const FreeBoard& board, const std::string& file) {
+    return "commission --device " + board.word() + " -o '" + file + "'";
+}
+
+}  // namespace
+
+TEST_CASE("commission writes a calibration with the damping it found, its record and their hash") {
     const TemporaryFile file("rig.toml");
-    const Finished sim = ran({"commission", "-o", file});
-    CHECK_THAT(sim.out, Has("usable stiffness at 1 kHz", "dry friction"));
+    CHECK_THAT(ran({"commission", "-o", file}).out,
+               Has("usable stiffness at 1 kHz", "dry friction"));
     const protocols::RigFile rig = protocols::load_rig(file);
     REQUIRE(rig.record);
     CHECK(rig.record->device == "sim");
@@ -27,8 +33,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
                                   "give another file to write"));
     CHECK(protocols::load_rig(file).record->device == "sim");
 
-    const std::string other = replaced(slurp(file), "handle_g = ", "handle_g = 1");
-    std::ofstream(file) << other;
+    write(file, replaced(slurp(file), "handle_g = ", "handle_g = 1"));
     const Finished changed = ran({"check", "pilot", "--calibration", file}, 2);
     CHECK_THAT(changed.error, Has("changed after the rig was commissioned"));
 
@@ -38,19 +43,14 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
 }
 
 TEST_CASE(
-    "a real session on a rig without a fitting record is refused with what to do, before a file",
-    "[commission][law]") {
+    "a real session on a rig without a fitting record is refused with what to do, before a file") {
     const TemporaryFolder folder;
     const auto run = [&](const std::string& device, const std::string& calibration) {
-        Words words{palpate_program(),       "run",      study_of_rig(folder),
-                    "--participant",         "P1",       "--db",
-                    folder.file("d.sqlite"), "--device", device};
-        if (!calibration.empty()) {
-            words.insert(words.end(), {"--calibration", calibration});
-        }
-        Finished end = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
-        CHECK(end.code == 2);
-        return end.error;
+        const Words words =
+            run_words(study_of_rig(folder), "P1", folder.file("d.sqlite"), {"--device", device});
+        const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
+        return ended(Process(command_of(joined(words, with)), {"SDL_VIDEODRIVER=dummy"}).wait(), 2)
+            .error;
     };
     const std::string rig = commissioned_rig(folder, "haply:/dev/one");
     CHECK_THAT(run("haply:/dev/one", ""),
@@ -59,17 +59,17 @@ TEST_CASE(
     CHECK_THAT(run("haply:/dev/two", rig), Has("was commissioned for --device haply:/dev/one"));
     protocols::RigFile file = protocols::load_rig(rig);
     file.calibration.pantograph.origin.x += 0.001;
-    std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
+    write(rig, protocols::to_toml(file.calibration, *file.record));
     CHECK_THAT(run("haply:/dev/one", rig), Has("the calibration in", "was changed after"));
     file.record->calibration = protocols::calibration_id(file.calibration);
     file.record->program = "0.0.1";
-    std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
+    write(rig, protocols::to_toml(file.calibration, *file.record));
     CHECK_THAT(run("haply:/dev/one", rig), Has("was commissioned by palpate 0.0.1"));
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
 TEST_CASE("of a record of another device nothing is believed, and the command that is named works",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string study = folder.file("stiff.toml");
@@ -98,18 +98,16 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
                                   ? "nobody proved how --device "
                                   : "was commissioned for --device haply:/dev/one";
         CAPTURE(why);
-        const Finished check = said("check", calibration);
-        CHECK(check.code == 0);
+        const Finished check = ended(said("check", calibration));
         CHECK_THAT(check.out, Has("it can be run as a pilot", "no real session: ", why,
                                   "how much the device damps is not known") &&
                                   !Has(measured));
-        const Finished doctor = said("doctor", calibration);
-        CHECK_THAT(doctor.out,
+        CHECK_THAT(said("doctor", calibration).out,
                    Has("no real session can be run on it", why, "by what nobody measured") &&
                        !Has(measured));
-        const std::size_t at = check.out.find("palpate commission ") + 8;
         const std::string end = " -o rig_2.toml";
-        const std::string words = check.out.substr(at, check.out.find(end, at) + end.size() - at);
+        const std::string words =
+            "commission " + behind(check.out, "palpate commission ", end) + end;
         TypedTo named(folder, calibration.empty() ? "none" : "another", words);
         CHECK(eventually([&] {
             return named.program().out().find("Type yes:") != std::string::npos ||
@@ -124,7 +122,7 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
 }
 
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--handle-g 120 --handle-damping 0.5 --handle-friction 0.03");
     const std::string commission = "commission --handle-g 120 --device " + board.word() + " -o '" +
@@ -150,10 +148,10 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
 }
 
 TEST_CASE("the example of a device behind UDP is commissioned as a board is, and needs its record",
-          "[commission][open][law]") {
+          "[open]") {
     const TemporaryFolder folder;
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
-    FreeBoard device(folder, free_udp_port());
+    FreeBoard device(folder, free_port());
     const std::string commission =
         fmt::format("commission --device {} --calibration '{}' --handle-g 100 -o '{}'",
                     device.word(), calibration, folder.file("rig.toml"));
@@ -161,16 +159,14 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than
     // was asked for, what is seen of it is the way back, or the device falls silent.
     const auto had_no_turn = [&] {
-        return std::ranges::any_of(
-            std::array{"is not explained by", "is reversed", "fell silent"},
-            [&](const char* words) { return end.error.find(words) != std::string::npos; });
+        return (Has("is not explained by") || Has("is reversed") || Has("fell silent"))
+            .match(end.error);
     };
     for (int again = 0; again < 8 && had_no_turn(); ++again) {
         device.bring("0,0");
         end = operated(folder, device, commission, "0,0");
     }
-    CAPTURE(end.out, end.error);
-    REQUIRE(end.code == 0);
+    ended(end);
     const protocols::RigFile rig = protocols::load_rig(folder.file("rig.toml"));
     REQUIRE(rig.record);
     CHECK(rig.record->dynamics.handle_mass == Approx(0.1).epsilon(0.15));
@@ -182,31 +178,24 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     check_end(moved, 2, Has("nobody proved how --device board:udp:"));
 }
 
-TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file",
-          "[commission][haply][law]") {
+TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file", "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     board.hold();
-    const Finished end =
-        operated(folder, board,
-                 "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
-    CAPTURE(end.out);
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, Has("does nobody hold it"));
+    const Finished end = operated(folder, board, commissioning(board, folder.file("new.toml")));
+    check_end(end, 1, Has("does nobody hold it"));
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
 }
 
 TEST_CASE("a board with a motor reversed is refused by commission, and by the opening of a session",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     engine::Calibration reversed = protocols::load_calibration("2diy_gen3");
     reversed.haply->motor_clockwise[0] = true;
-    std::ofstream(folder.file("reversed.toml")) << protocols::to_toml(reversed);
+    write(folder.file("reversed.toml"), protocols::to_toml(reversed));
     FreeBoard board(folder, "--preset '" + folder.file("reversed.toml") + "'");
-    const Finished end =
-        operated(folder, board,
-                 "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
+    const Finished end = operated(folder, board, commissioning(board, folder.file("new.toml")));
     check_end(end, 1, Has("motor 1 is reversed: correct the wiring", "nothing was written"));
     CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
 
@@ -219,7 +208,7 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
 }
 
 TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, before any session",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     EACH(at, as<std::string>{}, "0,93.3", "-10,89.3", "0,77.3");
     FreeBoard board(folder, "--at=" + at);
@@ -233,12 +222,10 @@ TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, 
 }
 
 TEST_CASE("a handle that was not brought to a mark is refused there, with no torque so far",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    TypedTo program(
-        folder, "desk",
-        "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
+    TypedTo program(folder, "desk", commissioning(board, folder.file("rig.toml")));
     const auto asked = [&](const char* what) {
         return program.program().says(what);
     };
@@ -247,9 +234,9 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
     REQUIRE(asked("Bring the handle to"));
     program.type("");  // it stands at home
     const Finished end = program.program().wait();
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, Has("the handle stands where it stood before") ||
-                              Has("stopped answering"));  // a busy machine
+    check_end(end, 1,
+              Has("the handle stands where it stood before") ||
+                  Has("stopped answering"));  // a busy machine
     CHECK(count_of(end.out, "Bring the handle to") == 1);
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("rig.toml")));
@@ -257,22 +244,22 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
 
 TEST_CASE(
     "a stiffness or a delay that the device's damping does not bear is refused, before a file",
-    "[commission][haply][law]") {
+    "[haply]") {
     const TemporaryFolder folder;
     engine::Calibration damped = protocols::load_calibration("2diy_gen3");
     damped.pantograph.damping = 0.8;  // at 200 N/m and 1 kHz: 3.5 ticks; with one tick: 533 N/m
-    std::ofstream(folder.file("damped.toml")) << protocols::to_toml(damped);
+    write(folder.file("damped.toml"), protocols::to_toml(damped));
     const bool slow = GENERATE(false, true);
     FreeBoard board(folder, slow ? "--delay-ms 6" : "");
-    std::ofstream(folder.file("asked.toml"))
-        << replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
-                    slow ? "stiffness_n_per_m = 200" : "stiffness_n_per_m = 2000");
+    write(folder.file("asked.toml"),
+          replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
+                   slow ? "stiffness_n_per_m = 200" : "stiffness_n_per_m = 2000"));
     const Finished end =
         operated(folder, board,
                  "run '" + folder.file("asked.toml") + "' --participant P1 --db '" +
                      folder.file("d.sqlite") + "' --windowed --kind pilot --device " +
                      board.word() + " --calibration '" + folder.file("damped.toml") + "'");
-    CAPTURE(slow, end.out, end.error);
+    CAPTURE(slow);
     check_end(end, 2,
               Has("the device damps 0.8 N s/m", "of delay needs ", "lower stiffness_n_per_m to "));
     CHECK((end.error.find(" ticks of delay") != std::string::npos) >= slow);
@@ -280,12 +267,10 @@ TEST_CASE(
 }
 
 TEST_CASE("commission says where home is and asks until somebody says yes, with no torque before",
-          "[commission][haply][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    TypedTo program(
-        folder, "desk",
-        "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
+    TypedTo program(folder, "desk", commissioning(board, folder.file("rig.toml")));
     const auto asked = [&](std::size_t n) {
         return eventually([&] { return count_of(program.program().out(), "Type yes:") == n; });
     };
@@ -321,7 +306,6 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     program.type("");
     pause(0.3);
     board.signal(SIGCONT);
-    const Finished end = program.program().wait();
-    CHECK_THAT(end.error, Has("was opened anew while the handle was at (") || Has("did not rest") ||
-                              Has("stopped answering"));
+    CHECK_THAT(program.program().wait().error, Has("was opened anew while the handle was at (") ||
+                                                   Has("did not rest") || Has("stopped answering"));
 }

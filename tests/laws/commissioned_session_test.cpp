@@ -1,43 +1,39 @@
-#include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 // Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
 // feels a force, at the opening, after a replug and in breaks.
 
 TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
-    "[commission][haply][window][law]") {
+    "[haply][window]") {
     const TemporaryFolder folder;
     const bool open = GENERATE(false, true);
     FreeBoard board(folder, open ? "--open" : "");
     const std::string rig = commissioned_rig(folder, board.word());
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
-    const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
-    TypedTo& run = *typed;
-    INFO(run.program().error());
-    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
+    OpenedSession run(folder, board, real_words(folder, board, rig));
+    run.wait_for("welcome");
     if (!open) {
         // A break asks for the handle, and by itself for no more than Space once it was proved.
-        press_up_to(hand, run, "question");
+        run.press_up_to("question");
         board.bring("20,89.3");
-        press_up_to(hand, run, "break");
+        run.press_up_to("break");
         pause(6.0);
-        const auto window = hand.find_window("palpate: break");
-        const std::uint64_t asks = hand.pixels(window);
+        const auto window = run.hand.find_window("palpate: break");
+        const std::uint64_t asks = run.hand.pixels(window);
         board.bring("0,89.3");
         const auto shown = [&] {  // seldom: pictures keep the server busy, and so the board
             pause(1.0);
-            return hand.pixels(window);
+            return run.hand.pixels(window);
         };
         CHECK(eventually([&] { return shown() != asks; }));
-        CHECK(hand.find_window("palpate: ").title == "palpate: break");
+        CHECK(run.title() == "palpate: break");
         // A motor that becomes stronger is found in the next one.
-        press_up_to(hand, run, "question");
+        run.press_up_to("question");
         board.bring("0,89.3");
         board.bring(fmt::format("turned {}", 30 * 360.0 / 4880.0));  // its disc slips by 30 counts
-        press_up_to(hand, run, "trouble");
+        run.press_up_to("trouble");
         std::size_t heard = 0;
         const auto hears = [&](const Words& any) {
             CAPTURE(any);
@@ -61,10 +57,10 @@ TEST_CASE(
         board.bring("motor 1 0.6");  // then a weaker one, of which alone
         hears({"too weak", "become weaker", "supply weak"});
         board.bring("motor 1 1");
-        press_up_to(hand, run, "ready");
+        run.press_up_to("ready");
     } else {
         // It was silent, and has its counts: its plugs may be others, all the same.
-        press_up_to(hand, run, "explore");
+        run.press_up_to("explore");
         const std::size_t from = run.program().out().size();
         board.signal(SIGSTOP);
         pause(0.15);
@@ -77,33 +73,22 @@ TEST_CASE(
         board.bring("0,89.3");
         CHECK(asks("Bring the handle to the second mark"));
     }
-    end_session(hand, run);
-    const Finished end = run.program().wait();
-    CAPTURE(end.error);
-    CHECK(end.code == 3);
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare(
-        "SELECT key, value, text FROM event WHERE event_kind = 'provenance' ORDER BY event_id");
-    REQUIRE(row.step());
-    CHECK(row.text(0) == "start pose");
-    CHECK_THAT(row.text(1), Has("second mark met to "));
-    REQUIRE(row.step());
-    CHECK(row.text(0) == "rig check");
-    CHECK(count_of(row.text(1), " % at ") == 4);
-    auto watchdog =
-        database.prepare("SELECT value FROM session_provenance WHERE key = 'device watchdog'");
-    REQUIRE(watchdog.step() == open);
-    if (open) {
-        CHECK(watchdog.text(0) == "20 ms");
-    } else {  // in a break
-        REQUIRE(row.step());
-        CHECK(row.text(0) == "start pose");
-        auto refused = database.first(
-            "SELECT count(*) FROM event WHERE key = 'rig check' AND "
-            "value = 'refused' AND text LIKE '%one of them slipped%Doubtful: the last 1 attempt, "
-            "%' "
-            "AND count = 1");
-        CHECK(refused.integer(0) >= 1);
+    const Finished end = ended(run.end(), 3);
+    const std::string file = folder.file("d.sqlite");
+    const Words proofs = lines_in(sql_lines(
+        file, "SELECT key, value FROM event WHERE event_kind = 'provenance' ORDER BY event_id"));
+    REQUIRE(proofs.size() >= 2);
+    CHECK_THAT(proofs[0], StartsWith("start pose|") && Has("second mark met to "));
+    CHECK_THAT(proofs[1], StartsWith("rig check|"));
+    CHECK(count_of(proofs[1], " % at ") == 4);
+    CHECK(sql_first(file, "SELECT value FROM session_provenance WHERE key = 'device watchdog'") ==
+          (open ? "20 ms" : ""));
+    if (!open) {  // in a break
+        CHECK_THAT(proofs.at(2), StartsWith("start pose|"));
+        CHECK(sql_first(file,
+                        "SELECT count(*) >= 1 FROM event WHERE key = 'rig check' AND value = "
+                        "'refused' AND text LIKE '%one of them slipped%Doubtful: the last 1 "
+                        "attempt, %' AND count = 1") == "1");
     }
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
     CHECK(warned != open);
@@ -111,40 +96,29 @@ TEST_CASE(
 }
 
 TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing",
-          "[commission][haply][window][safety][law]") {
+          "[haply][window][safety]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
-    const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
-    TypedTo& run = *typed;
-    INFO(run.program().error());
-    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
-    press_up_to(hand, run, "question");
+    OpenedSession run(folder, board, real_words(folder, board, rig));
+    run.wait_for("welcome");
+    run.press_up_to("question");
     board.bring("0,89.3");
-    press_up_to(hand, run, "break");
+    run.press_up_to("break");
     CHECK(eventually([&] { return board.motors() != "0, 0"; }));
-    hand.key("Escape");
-    hand.wait_for_window("palpate: trouble", WindowSession::kPatience);
+    run.hand.key("Escape");
+    run.wait_for("trouble");
     CHECK(board.motors() == "0, 0");
     pause(3.0);  // longer than four pulses
     CHECK(board.motors() == "0, 0");
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    const auto count = [&](const std::string& what) {
-        auto row = database.first(
-            "SELECT count(*) FROM event WHERE " + what +
-            " AND event_id > (SELECT max(event_id) FROM event WHERE event_kind = 'break')");
-        return row.integer(0);
-    };
-    CHECK(count("event_kind = 'stop' AND value = 'Escape'") == 1);
-    CHECK(count("key = 'rig check' AND value != 'refused'") == 0);
-    end_session(hand, run);
-    CHECK(run.program().wait().code == 3);
+    CHECK(sql_lines(folder.file("d.sqlite"),
+                    "SELECT sum(event_kind = 'stop' AND value = 'Escape'), sum(key IS 'rig check' "
+                    "AND value != 'refused') FROM event WHERE event_id > (SELECT max(event_id) "
+                    "FROM event WHERE event_kind = 'break')") == "1|0\n");
+    CHECK(run.end().code == 3);
 }
 
-TEST_CASE("an opening that lost home says so, and blames no motor and no operator",
-          "[commission][haply][law]") {
+TEST_CASE("an opening that lost home says so, and blames no motor and no operator", "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
@@ -192,28 +166,22 @@ TEST_CASE("an opening that lost home says so, and blames no motor and no operato
 TEST_CASE(
     "after a replug nothing is felt before home, second mark and pulses, and the experimenter's "
     "chord",
-    "[commission][haply][window][law]") {
+    "[haply][window]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
     const std::string rig = commissioned_rig(folder, board->word());
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
-    const auto typed = opened_session(folder, *board, screen, real_words(folder, *board, rig));
-    TypedTo& run = *typed;
-    INFO(run.program().error());
+    OpenedSession run(folder, *board, real_words(folder, *board, rig));
     auto said = [&, from = std::size_t{0}](const std::string& what) mutable {
         CAPTURE(what);
         CHECK(
             eventually([&] { return run.program().out().find(what, from) != std::string::npos; }));
         from = run.program().out().find(what, from) + what.size();
     };
-    press_up_to(hand, run, "explore");
+    run.press_up_to("explore");
     const std::string out = run.program().out();
     const std::string mark = last_place(out.substr(out.rfind("Bring the handle to")));
     const auto replug = [&](const std::string& words) {
-        board.reset();
-        std::filesystem::remove(folder.file("board"));
-        std::filesystem::remove(folder.file("hand"));
+        unplug(folder, board);
         board = std::make_unique<FreeBoard>(folder, words);
     };
     replug("--at=12,89.3");  // another board, beside home
@@ -228,25 +196,25 @@ TEST_CASE(
     said("a motor or an encoder is reversed");
     board->bring("gain 2.5");
     said("a motor is too strong");
-    CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+    CHECK(run.title() == "palpate: trouble");
     board->bring("gain 1");
     said("bring the handle home");  // who mends a motor may move an encoder
     board->bring("0,89.3");
     const auto goes_on = [&] {
         said("can go on: Ctrl+Shift+P");
-        hand.focus(hand.find_window("palpate: "));
-        hand.key("space");  // the participant's alone
+        run.hand.focus(run.hand.find_window("palpate: "));
+        run.hand.key("space");  // the participant's alone
         pause(0.5);
-        CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
-        hand.chord("p");
-        press_up_to(hand, run, "ready");
+        CHECK(run.title() == "palpate: trouble");
+        run.hand.chord("p");
+        run.press_up_to("ready");
     };
     goes_on();
 
     // The same in a break, where nothing is felt and no fault is seen.
-    press_up_to(hand, run, "break");
+    run.press_up_to("break");
     replug("--at=0,89.3");
-    press_up_to(hand, run, "trouble");
+    run.press_up_to("trouble");
     said("Bring the handle to the second mark ");
     board->bring(mark);
     goes_on();
@@ -256,10 +224,9 @@ TEST_CASE(
     said("Bring the handle to the second mark ");
     board->bring(mark);
     goes_on();
-    end_session(hand, run);
-    CHECK(run.program().wait().code == 3);
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.first(
+    CHECK(run.end().code == 3);
+    const std::string course = sql_first(
+        folder.file("d.sqlite"),
         "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN value "
         "LIKE 'refused%' THEN ' refused' WHEN event_kind = "
         "'provenance' THEN '' ELSE ' ' || replace(coalesce(value, ''), 'device_silent', "
@@ -267,7 +234,7 @@ TEST_CASE(
         "event_kind "
         "IN ('fault', 'reconnect', 'go on') OR key IN ('start pose', 'rig check') ORDER BY "
         "event_id)");
-    CHECK_THAT(row.text(0),
+    CHECK_THAT(course,
                StartsWith("start pose; rig check; fault device_lost; ") &&
                    Has("reconnect anew; start pose; rig check refused; rig check; start pose; rig "
                        "check; go on "
@@ -279,32 +246,25 @@ TEST_CASE(
 }
 
 TEST_CASE("a session is felt on the calibration that was checked, whatever its file becomes then",
-          "[commission][open][window][law]") {
+          "[open][window]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--open");
     const std::string rig = commissioned_rig(folder, board.word());
     const std::string other = protocols::to_toml(protocols::load_calibration("2diy_gen3"));
     const auto checked = protocols::calibration_id(protocols::load_calibration(rig));
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
-    const auto typed =
-        opened_session(folder, board, screen, real_words(folder, board, rig), "0,89.3", rig, other);
-    CHECK_THAT(typed->program().out(), Has(": REAL, "));
+    OpenedSession run(folder, board, real_words(folder, board, rig), "0,89.3", rig, other);
+    CHECK_THAT(run.program().out(), Has(": REAL, "));
     CHECK(slurp(rig) == other);
-    press_up_to(hand, *typed, "question");
-    end_session(hand, *typed);
-    CHECK(typed->program().wait().code == 3);
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.first(
-        "SELECT value, (SELECT max(calibration_sha256) FROM trial) FROM session_provenance "
-        "WHERE key = 'calibration sha256'");
-    CHECK(row.text(0) == checked);
-    CHECK(row.text(1) == checked);
+    run.press_up_to("question");
+    CHECK(run.end().code == 3);
+    CHECK(sql_lines(folder.file("d.sqlite"),
+                    "SELECT value, (SELECT max(calibration_sha256) FROM trial) FROM "
+                    "session_provenance WHERE key = 'calibration sha256'") ==
+          checked + "|" + checked + "\n");
     ran({"verify", folder.file("d.sqlite")});
 }
 
-TEST_CASE("who is noted as not consenting is never run, and no device is touched",
-          "[commission][consent][law]") {
+TEST_CASE("who is noted as not consenting is never run, and no device is touched") {
     const TemporaryFolder folder;
     const std::string device = "haply:" + folder.file("none");
     const std::string rig = commissioned_rig(folder, device);
@@ -317,8 +277,7 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
                         {"SDL_VIDEODRIVER=dummy"});
         return program.program().wait();
     };
-    const Finished refused = run("refused");
-    check_end(refused, 2, Has("P1 is noted as not consenting", "P1 --consent yes"));
+    check_end(run("refused"), 2, Has("P1 is noted as not consenting", "P1 --consent yes"));
     ran({"participant", file, "P1", "--consent", "yes"});
     CHECK_THAT(run("asked").error,
                !Has("not consenting") && Has(folder.file("none")));  // the device is next

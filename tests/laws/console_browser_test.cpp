@@ -10,8 +10,7 @@ std::string address_in(const std::string& out) {
 
 }  // namespace
 
-TEST_CASE("a browser shows the session, and what is pressed there is in the file",
-          "[console][law]") {
+TEST_CASE("a browser shows the session, and what is pressed there is in the file", "[console]") {
     if (!DevTools::installed()) {
         return;
     }
@@ -65,7 +64,7 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
 }
 
 TEST_CASE("of two browsers one shows what is felt, and both go on with the next server",
-          "[console][law]") {
+          "[console]") {
     if (!DevTools::installed()) {
         return;
     }
@@ -104,7 +103,7 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
 }
 
 TEST_CASE("a page behind another knows the state, one that hears nothing switches the force off",
-          "[console][safety][law]") {
+          "[console][safety]") {
     if (!DevTools::installed()) {
         return;
     }

@@ -12,7 +12,7 @@ const std::string kNotes = events_of("note");
 }  // namespace
 
 TEST_CASE("whatever becomes of the page's server and its clients, the session loses nothing",
-          "[console][law]") {
+          "[console]") {
     ShownSession session("shape_friction", {"4"});
     Random random(33);
     std::vector<std::unique_ptr<Console>> stopped;
@@ -52,7 +52,7 @@ TEST_CASE("whatever becomes of the page's server and its clients, the session lo
     CHECK(palpate_command({"verify", session.file}).code == 0);
 }
 
-TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety][law]") {
+TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety]") {
     ShownSession session;
     const Console console(session);
     Browser& browser = *console.browser;
@@ -120,7 +120,7 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
 }
 
 TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held open",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const Console console(session);
     Browser& browser = *console.browser;
@@ -155,7 +155,7 @@ TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held o
 }
 
 TEST_CASE("other machines come by TLS alone, and only look unless they may act",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const TemporaryFolder folder;
     const std::string cert = folder.file("cert.pem");
@@ -174,8 +174,7 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
     }
     const std::string none = folder.file("none.pem");
     const auto says = [&](const Words& words) {
-        const Words all = joined({"console", session.file}, words);
-        const Finished refused = palpate_command(all);
+        const Finished refused = palpate_command(joined({"console", session.file}, words));
         CHECK((refused.code == 1 || refused.code == 2));
         CHECK_THAT(refused.out, !Has("token"));
         return refused.error;
@@ -198,16 +197,14 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
 
     const std::string jar = folder.file("jar");
     const auto asked = [&](const std::string& address, const Words& more) {
-        Words words = joined({"curl", "-s", "--cacert", cert, "-b", jar, "-c", jar, address}, more);
-        return Process(words).wait();
+        return Process(
+                   joined({"curl", "-s", "--cacert", cert, "-b", jar, "-c", jar, address}, more))
+            .wait();
     };
     for (const bool acts : {false, true}) {
-        Words words{palpate_program(), "console", session.file, "--listen",
-                    "127.0.0.2",       "--tls",   cert,         key};
-        if (acts) {
-            words.emplace_back("--act");
-        }
-        Process console(words);
+        Process console(joined({palpate_program(), "console", session.file, "--listen", "127.0.0.2",
+                                "--tls", cert, key},
+                               acts ? Words{"--act"} : Words{}));
         REQUIRE(console.says("\nCtrl+C"));
         const std::string out = console.out();
         const std::size_t at = out.find("https://127.0.0.2:");
@@ -235,7 +232,7 @@ TEST_CASE("other machines come by TLS alone, and only look unless they may act",
 }
 
 TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and nothing is kept",
-          "[console][law]") {
+          "[console]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("mine.toml");
     write(file, slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"));

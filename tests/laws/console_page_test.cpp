@@ -18,7 +18,7 @@ std::set<std::string> all_after(const std::string& text,
 }  // namespace
 
 TEST_CASE("the experimenter's page is of its own origin alone, and its script finds what it fills",
-          "[console][law]") {
+          "[console]") {
     const std::string html = part("html");
     const std::string script = part("js");
     const std::string style = part("css");

@@ -28,7 +28,7 @@ bool says(const std::filesystem::path& file, const std::string& text) {
 }  // namespace
 
 TEST_CASE("what two pages ask for at once is done once, and what one shows the other does not",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const Console one(session);
     const Console other(session);
@@ -87,7 +87,7 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
 }
 
 TEST_CASE("a page that dies is started again once, at its address, and the session goes on",
-          "[console][law]") {
+          "[console]") {
     ShownSession session(kFourTrials, {"1", "--console"});
     const auto die = [&] {
         const pid_t console = console_of(session.program.id());
@@ -129,7 +129,7 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
 }
 
 TEST_CASE("a page of a session that is over asks nothing of the next one on its file",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const Console before(session);
     before.browser->trade();
@@ -155,7 +155,7 @@ TEST_CASE("a page of a session that is over asks nothing of the next one on its 
 }
 
 TEST_CASE("a server that stood still does nothing late but switch the force off, and ends",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session("shape_friction", {"2", "--console"});
     const Browser browser = browser_of(session.program);
     const pid_t console = console_of(session.program.id());
@@ -177,7 +177,7 @@ TEST_CASE("a server that stood still does nothing late but switch the force off,
 }
 
 TEST_CASE("another user of the machine finds neither the page's token nor another way to it",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session("shape_friction", {"2", "--console"});
     const Browser browser = browser_of(session.program);
     const std::string cookie = browser.cookie.substr(browser.cookie.find('=') + 1, 32);

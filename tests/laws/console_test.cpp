@@ -11,7 +11,7 @@ const std::string kPauses = events_of("pause");
 }  // namespace
 
 TEST_CASE("only who has the token, from the page itself, gets or does anything",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session;
     const Console console(session);
     Browser& browser = *console.browser;
@@ -71,7 +71,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
 }
 
 TEST_CASE("the page's stream tells nothing of what is felt, and says when the session is gone",
-          "[console][safety][law]") {
+          "[console][safety]") {
     ShownSession session(kFourTrials, {"1"});
     const Console console(session);
     console.browser->trade();
@@ -94,7 +94,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
 }
 
 TEST_CASE("of two intervals it is said which one is next, and of a mark which trial it is of",
-          "[live][law]") {
+          "[live]") {
     const ShownSession session("curvature_2afc", {"4"});
     std::string shown;
     REQUIRE(eventually([&] {
@@ -115,7 +115,7 @@ TEST_CASE("of two intervals it is said which one is next, and of a mark which tr
 }
 
 TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",
-          "[console][law]") {
+          "[console]") {
     const TemporaryFile file("mine.toml");
     const std::string good = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     write(file, good);
@@ -134,8 +134,7 @@ TEST_CASE("a preview shows what a protocol shows, and each problem at its line o
     CHECK(preview.ended_by(SIGTERM) == 0);
 }
 
-TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answers",
-          "[console][law]") {
+TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answers", "[console]") {
     const TemporaryFile file("mine.toml");
     const std::string stairs =
         slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");

@@ -11,27 +11,23 @@ namespace {
 
 double locked_mb(pid_t process) {
     const std::string status = slurp("/proc/" + std::to_string(process) + "/status");
-    const std::size_t at = status.find("VmLck:");
-    return at == std::string::npos ? -1.0 : std::stod(status.substr(at + 6)) / 1024.0;
+    const std::string locked = behind(status, "VmLck:");
+    return locked.empty() ? -1.0 : std::stod(locked) / 1024.0;
 }
 
 }  // namespace
 
 TEST_CASE("a screen that stands still ends the force, which a live one with the key held does not",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     std::optional<PressedDesk> lasting;
-    bool lasted = false;
     // A machine that is too busy to draw for so long has a screen that stands still: then once
     // more.
-    for (int attempt = 0; attempt < 3 && !lasted; ++attempt) {
+    CHECK(tried(3, [&] {
         lasting.emplace(PressingHand::Does::presses);
         REQUIRE(lasting->feel());
-        for (int i = 0; i < 600; ++i) {
-            wait_a_little();
-        }
-        lasted = lasting->faults("screen_silent") == "0" && lasting->faults("let_go") == "0";
-    }
-    CHECK(lasted);
+        wait_a_little(600);
+        return lasting->faults("screen_silent") == "0" && lasting->faults("let_go") == "0";
+    }));
     PressedDesk& desk = *lasting;
     REQUIRE(desk.feel());
     const std::int64_t frozen = monotonic_ns();
@@ -52,7 +48,7 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
 }
 
 TEST_CASE("a board that is kept from answering for 20 ms takes the force away, and ends no trial",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     PressedDesk desk(PressingHand::Does::presses);
     // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same
     // trial.
@@ -65,18 +61,15 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
              "then_.tick > gap.tick + 100 AND then_.commanded_y_n <> 0)"});
         return finished.code == 0 && finished.out.find("\n0") == std::string::npos;
     };
-    bool seen = false;
-    for (int attempt = 0; attempt < 12 && !seen;
-         ++attempt) {  // a busy machine may stop it for longer
+    CHECK(tried(12, [&] {  // a busy machine may stop it for longer
         REQUIRE(desk.feel());
         pause(0.3);
         kill(desk.board.id(), SIGSTOP);
         pause(0.020);
         kill(desk.board.id(), SIGCONT);
         pause(0.5);
-        seen = gaps();
-    }
-    CHECK(seen);
+        return gaps();
+    }));
     // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever
     // is rendered (a hand that rests against such a force has 0.37 N rendered).
     const auto reads = [&](const std::string& what) {
@@ -94,23 +87,22 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
 }
 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
-          "[window][haply][safety][law]") {
+          "[window][haply][safety]") {
     const bool buzzes = GENERATE(true, false);
-    bool seen = false;
     // A machine too busy for the emulated board's motion, as under sanitizers, gets another hand.
-    for (int attempt = 0; attempt < 4 && !seen; ++attempt) {
+    CHECK(tried(4, [&] {
         PressedDesk desk(buzzes ? PressingHand::Does::buzzes : PressingHand::Does::runs_away);
         REQUIRE(desk.feel());
-        seen = desk.faults_of(buzzes ? "buzz" : "runaway");
+        const bool seen = desk.faults_of(buzzes ? "buzz" : "runaway");
         CHECK((!seen || desk.force_ends()));
         CHECK((!seen || desk.stays_off()));
-    }
-    CHECK(seen);
+        return seen;
+    }));
 }
 
 TEST_CASE(
     "however a session's program ends under a force, the guard ends the force, and it stays off",
-    "[window][haply][guard][law]") {
+    "[window][haply]") {
     PressedDesk desk(PressingHand::Does::presses);
     REQUIRE(desk.feel());
     desk.session->program().signal(GENERATE(SIGHUP, SIGQUIT, SIGSEGV, SIGABRT));
@@ -120,7 +112,7 @@ TEST_CASE(
 
 TEST_CASE(
     "in its window the program's guard ends the force when it dies, and it when its guard does",
-    "[window][haply][guard][law]") {
+    "[window][haply]") {
     const TemporaryFolder path;  // a system that can be asked to stay awake
     const std::string asked = path.file("asked");
     const std::string tool = path.file("systemd-inhibit");
@@ -165,17 +157,15 @@ TEST_CASE(
 }
 
 TEST_CASE("who lets go of the key goes on by it, and the terminal says that no chord is needed",
-          "[window][haply][safety][law]") {
-    bool seen = false;
-    // A busy machine may end the force for another reason: then once more.
-    for (int attempt = 0; attempt < 4 && !seen; ++attempt) {
+          "[window][haply][safety]") {
+    CHECK(tried(4, [&] {  // a busy machine may end the force for another reason
         PressedDesk desk(PressingHand::Does::presses);
         REQUIRE(desk.feel());
         desk.session->hand().release("space");
         wait_a_little(60);
         desk.session->hand().press("space");  // who grabs it again has let go
         CHECK(desk.force_ends());
-        seen = desk.waits_for_fault("let_go");
+        const bool seen = desk.waits_for_fault("let_go");
         if (seen) {
             desk.session->wait_for_screen("trouble");
             CHECK(desk.stays_off());
@@ -184,6 +174,6 @@ TEST_CASE("who lets go of the key goes on by it, and the terminal says that no c
             desk.session->press_at("trouble", "space");
             CHECK(desk.feel());
         }
-    }
-    CHECK(seen);
+        return seen;
+    }));
 }

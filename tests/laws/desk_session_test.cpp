@@ -13,7 +13,7 @@ namespace {
 class Desk {
 public:
     Desk(const TemporaryFolder& folder, const std::string& protocol, const std::string& device)
-        : session_(run_words(write(folder, protocol),
+        : session_(run_words(write(folder.file("p.toml"), protocol),
                              "P1",
                              folder.file("d.sqlite"),
                              {"--device", device, "--kind", "pilot"})) {}
@@ -86,32 +86,25 @@ public:
                 pause(0.03);
             }
         }
-        const Finished end = session_.finish();
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 3);
+        ended(session_.finish(), 3);
     }
     [[nodiscard]] WindowSession& session() { return session_; }
 
     static std::string count(const std::string& rows) { return "SELECT count(*) FROM " + rows; }
 
 private:
-    static std::string write(const TemporaryFolder& folder, const std::string& text) {
-        std::ofstream(folder.file("p.toml")) << text;
-        return folder.file("p.toml");
-    }
     WindowSession session_;
 };
 
 /// Two intervals, as the board can render them, on a machine that has other things to do.
 std::string board_study() {
-    std::string text = adaptive_text(kStaircaseRule);
-    text = replaced(text, "start_mm = [0, 45]",
-                    "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
-                    "200\nforce_limit_n = 1.5\n[safety]\n"
-                    "late_in_a_row = 0\nlate_of_100 = 0");
-    text = replaced(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
-    return replaced(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
-                    "explore_prompt_s = 30\nexplore_timeout_s = 60");
+    return edited(adaptive_text(kStaircaseRule),
+                  {{"start_mm = [0, 45]",
+                    "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = 200\n"
+                    "force_limit_n = 1.5\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0"},
+                   {"path_min_mm = 0", "path_min_mm = 0\nlate_share = 1"},
+                   {"explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
+                    "explore_prompt_s = 30\nexplore_timeout_s = 60"}});
 }
 
 constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the experimenter%'";
@@ -119,12 +112,12 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 }  // namespace
 
 TEST_CASE("pauses and marks on every screen of a session with the pointer are obeyed",
-          "[long][window][desk][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
-    std::string text = four_trials();
-    text = replaced(text, "break_every = 0", "break_every = 1");
-    text = replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
-    Desk desk(folder, text, "mouse");
+    Desk desk(folder,
+              edited(four_trials(), {{"break_every = 0", "break_every = 1"},
+                                     {"explore_min_s = 0.5", "explore_min_s = 0.1"}}),
+              "mouse");
     desk.pause_at("welcome");
     desk.at("welcome", "space");
     desk.end_pause(1);
@@ -203,7 +196,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
 }
 
 TEST_CASE("so are those between two intervals, at the confidence and in trouble",
-          "[long][window][desk][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
     Desk desk(folder, board_study(), "sim");
     desk.at("welcome", "space");
@@ -242,7 +235,7 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
 }
 
 TEST_CASE("on a board a pause and a mark before the first trial begin no force",
-          "[window][desk][haply][law]") {
+          "[window][haply]") {
     const TemporaryFolder folder;
     const bool at_a_port = GENERATE(true, false);
     Process board({palpate_program(), "haply-emulator", "--link", folder.file("board")});

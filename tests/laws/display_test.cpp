@@ -14,8 +14,10 @@ using engine::Vec2;
 
 namespace {
 
-Words words(const TemporaryFolder& folder, const std::string& protocol = kFourTrials) {
-    return run_words(protocol, "P1", folder.file("d.sqlite"), {"--device", "mouse"});
+Words words(const TemporaryFolder& folder,
+            const std::string& protocol = kFourTrials,
+            const std::string& device = "mouse") {
+    return run_words(protocol, "P1", folder.file("d.sqlite"), {"--device", device});
 }
 
 Finished without_display(const Words& arguments) {
@@ -40,24 +42,22 @@ struct Forces {
 };
 
 Forces forces_of(const std::string& file, std::int64_t trial) {
-    const std::string sql = sql_csv(
+    const Words row = split(sql_row(
         file,
         "SELECT max(abs(commanded_y_n)), (SELECT abs(commanded_x_n) + abs(commanded_y_n) FROM "
         "sample "
         "WHERE trial_id = " +
             std::to_string(trial) +
-            " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial));
-    const std::string row = sql.substr(sql.find('\n') + 1);
-    return {std::stod(row), std::stod(row.substr(row.find(',') + 1))};
+            " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial)));
+    return {std::stod(row.at(0)), std::stod(row.at(1))};
 }
 
 }  // namespace
 
 TEST_CASE("a display that cannot be opened is said before anything is made, and fails the doctor",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
-    Words sim = words(folder);
-    sim.back() = "sim";
+    const Words sim = words(folder, kFourTrials, "sim");
     for (const auto& arguments :
          {words(folder), sim, Words{"demo", "--db", folder.file("d.sqlite")}}) {
         const Finished run = without_display(arguments);
@@ -74,12 +74,11 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
             .wait();
     check_end(unseen, 2, Has("DISPLAY is :999, and no display can be opened"));
     CHECK(folder.names().empty());
-    sim.emplace_back("--headless");
-    CHECK(without_display(sim).code == 0);
+    CHECK(without_display(joined(sim, {"--headless"})).code == 0);
 }
 
 TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, and all else works",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     const TemporaryFolder broken;
     for (const char* name : {"libSDL2-2.0.so.0", "libSDL2_ttf-2.0.so.0", "libmicrohttpd.so.12"}) {
@@ -98,10 +97,7 @@ TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, a
               Has("texts on a screen need SDL2_ttf", "install libsdl2-ttf-2.0-0"));
     CHECK(folder.names().empty());
     CHECK(without({"check", kFourTrials}).code == 0);
-    Words sim = words(folder);
-    sim.back() = "sim";
-    sim.emplace_back("--headless");
-    CHECK(without(sim).code == 0);
+    CHECK(without(joined(words(folder, kFourTrials, "sim"), {"--headless"})).code == 0);
     for (const char* command : {"summary", "verify", "status"}) {
         CAPTURE(command);
         CHECK(without({command, folder.file("d.sqlite")}).code == 0);
@@ -109,7 +105,7 @@ TEST_CASE("where SDL2 and libmicrohttpd are missing, windows and pages say so, a
 }
 
 TEST_CASE("a monitor that is not there is refused with those that are, before anything is made",
-          "[cli][window][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     Xvfb screen(800, 600, true);
     for (const auto& [number, why] :
@@ -122,11 +118,10 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
 }
 
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
-          "[long][window][law]") {
+          "[long][window]") {
     const TemporaryFolder folder;
-    std::string text = slurp(kFourTrials);
-    text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
-    std::ofstream(folder.file("p.toml")) << text;
+    write(folder.file("p.toml"),
+          replaced(four_trials(), "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n"));
     struct Place {
         WindowSession::Screen screen;
         bool windowed = false;
@@ -137,16 +132,14 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
                                  Place{{800, 600, true}, false, {0, 0, 1024, 768}},
                                  Place{{3840, 2160}, false, {0, 0, 3840, 2160}},
                                  Place{{3840, 2160}, true, {480, 270, 2880, 1620}});
-    Words run = joined(words(folder, folder.file("p.toml")), {"--kind", "real"});
-    if (place.windowed) {
-        run.emplace_back("--windowed");
-    }
-    WindowSession session(run, {}, place.screen);
+    const Words run = joined(words(folder, folder.file("p.toml")), {"--kind", "real"});
+    WindowSession session(joined(run, place.windowed ? Words{"--windowed"} : Words{}), {},
+                          place.screen);
     session.go_through({"welcome", "ready", "explore"});
     const XHand::Window window = session.wait_for_screen("question");
     CHECK(std::vector<int>{window.x, window.y, window.width, window.height} == place.window);
     const ui::Card card = ui::lay_out_cards(2, size_of(window)).back();
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    pause(0.4);
     if (place.screen.second) {  // a pointer that jumps from screen to screen is no hand's
         session.press_at("question", "2");
     } else {
@@ -160,7 +153,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
 
 TEST_CASE(
     "a frame that comes after its window has its place on the screen, and then people move it",
-    "[window][law]") {
+    "[window]") {
     const TemporaryFolder folder;
     const WindowSession::Screen screen =
         GENERATE(WindowSession::Screen{1280, 800}, WindowSession::Screen{800, 600});
@@ -184,23 +177,22 @@ TEST_CASE(
 }
 
 TEST_CASE("when the display dies the force ends, the trial is kept, and the same command goes on",
-          "[long][window][fault][law]") {
+          "[long][window]") {
     EACH(where, as<std::string>{}, "explore", "question", "break");
     const TemporaryFolder folder;
-    std::string text = replaced(slurp(kFourTrials), "break_every = 0", "break_every = 1");
-    std::ofstream(folder.file("p.toml")) << text;
+    write(folder.file("p.toml"), replaced(four_trials(), "break_every = 0", "break_every = 1"));
     const Words run = joined(words(folder, folder.file("p.toml")), {"--kind", "pilot"});
     const std::string file = folder.file("d.sqlite");
     {
         WindowSession session(run);
         session.go_through({"welcome", "ready"});
         const XHand::Window window = session.wait_for_screen("explore");
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        pause(0.3);
         for (const double y : {0.050, 0.045, 0.041, 0.039, 0.0385, 0.038}) {  // onto the vertex
             move(session, window, ui::PointerMap{size_of(window)}.to_pixel({0.0, y}));
-            std::this_thread::sleep_for(std::chrono::milliseconds(60));
+            pause(0.06);
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        pause(0.3);
         if (where != "explore") {
             session.press_at("explore", "space");
         }
@@ -209,9 +201,8 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
         }
         session.wait_for_screen(where);
         session.screen().server().signal(SIGKILL);
-        const Finished end = session.finish();
         check_end(
-            end, 1,
+            session.finish(), 1,
             Has("the display is gone. The force is off", "the same command goes on at trial"));
         CHECK(session.ask("SELECT outcome FROM trial") ==
               (where == "break" ? "complete" : "aborted"));
@@ -231,7 +222,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
 TEST_CASE(
     "after a disk that fails the participant is asked for a moment, until the experimenter has "
     "come",
-    "[window][fault][law]") {
+    "[window]") {
     const TemporaryFolder folder;
     const Words run = joined(words(folder), {"--kind", "pilot"});
     std::signal(SIGXFSZ, SIG_IGN);  // the program inherits it
@@ -247,10 +238,9 @@ TEST_CASE(
     session.wait_for_text("The participant's screen says \"one moment\"");
     session.hand().key("space");
     session.hand().key("Escape");  // the participant's
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    pause(0.5);
     CHECK(session.screen_name() == "trouble");
     session.hand().chord("q");
     session.press_at("trouble", "y");
-    const Finished end = session.finish();
-    check_end(end, 1, Has("what was recorded is kept"));
+    check_end(session.finish(), 1, Has("what was recorded is kept"));
 }

@@ -2,35 +2,26 @@
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
 
-namespace {
-
-// Every check of the issue's list is there once, with a status, a detail where all is well and a
-// remedy where not; prints how many have failed.
-const std::string kReader = test_text("scripts/read_doctor.py");
-
-}  // namespace
-
 TEST_CASE(
-    "the doctor's JSON is valid and whole, and its exit code is 1 exactly when a check failed",
-    "[cli][doctor][law]") {
+    "the doctor's JSON is valid and whole, and its exit code is 1 exactly when a check failed") {
     const TemporaryFolder folder;
-    std::ofstream(folder.file("reader.py")) << kReader;
+    // Every check of the issue's list is there once, with a status, a detail where all is well and a
+    // remedy where not; prints how many have failed.
+    const std::string reader = script("read_doctor.py");
     for (const std::string& db : {folder.file("d.sqlite"), folder.file("absent/d.sqlite")}) {
         CAPTURE(db);
         const Finished doctor =
             palpate_command({"doctor", "--json", "--seconds", "0.1", "--db", db});
         CAPTURE(doctor.out, doctor.error);
-        std::ofstream(folder.file("doctor.json")) << doctor.out;
-        CHECK(Process({"python3", "-m", "json.tool", folder.file("doctor.json")}).wait().code == 0);
-        const Finished read = ended(
-            Process({"python3", folder.file("reader.py"), folder.file("doctor.json")}).wait());
+        const std::string json = write(folder.file("doctor.json"), doctor.out);
+        CHECK(Process({"python3", "-m", "json.tool", json}).wait().code == 0);
+        const Finished read = ended(Process({"python3", reader, json}).wait());
         CHECK(doctor.code == (read.out == "0\n" ? 0 : 1));
     }
-    CHECK(folder.names() == Words{"doctor.json", "reader.py"});
+    CHECK(folder.names() == Words{"doctor.json"});
 }
 
-TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many",
-          "[cli][doctor]") {
+TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many") {
     const TemporaryFile file("d.sqlite");
     const Finished doctor = palpate_command({"doctor", "--seconds", "0.1", "--device", "mouse",
                                              "--protocol", "shape_friction_demo", "--db", file});
@@ -39,8 +30,7 @@ TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many
     CHECK(doctor.out.find_first_of("owf") == 0);
 }
 
-TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other",
-          "[cli][doctor][law]") {
+TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other") {
     const TemporaryFile file("d.sqlite");
     const auto [device, environment, status, code] =
         GENERATE(table<std::string, std::string, std::string, int>(
@@ -63,7 +53,7 @@ TEST_CASE("without a display the doctor fails a device that run refuses for it, 
     CHECK((code == 3 || end.error.find("needs a display and a window") != std::string::npos));
 }
 
-TEST_CASE("the doctor fails a place for the data that run refuses", "[cli][doctor][law]") {
+TEST_CASE("the doctor fails a place for the data that run refuses") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes.txt")) << "rested after trial 40\n";
     for (const std::string& db : {folder.file("notes.txt"), folder.path().string()}) {
@@ -78,15 +68,9 @@ TEST_CASE("the doctor fails a place for the data that run refuses", "[cli][docto
     CHECK(folder.names() == Words{"notes.txt"});
 }
 
-TEST_CASE("wrong words to the doctor get a sentence and exit code 2", "[cli][doctor]") {
-    CHECK_THAT(ran({"doctor", "--device", "haptic"}, 2).error, Has("haptic"));
-    ran({"doctor", "--seconds", "never"}, 2);
-    CHECK_THAT(ran({"doctor", "--protocol", "absent.toml"}, 2).error, Has("absent.toml"));
-}
-
 TEST_CASE(
     "while the doctor looks at a board and calibrate reads its marks, no motor gives a torque",
-    "[doctor][calibrate][haply][law]") {
+    "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     std::set<std::string> given;
@@ -142,9 +126,8 @@ TEST_CASE(
         CAPTURE(opens);
         const auto left = engine::torque_packet(5, {0.1, 0.1});
         REQUIRE(left);
-        std::ofstream(folder.file("board"), std::ios::binary)
-            .write(reinterpret_cast<const char*>(left->view().data()),
-                   static_cast<std::streamsize>(left->view().size()));
+        write(folder.file("board"),
+              {reinterpret_cast<const char*>(left->view().data()), left->view().size()});
         REQUIRE(eventually([&] { return board.motors() != "0, 0"; }));
         Process program(joined(command_of(opens), {"--device", board.word()}),
                         {"SDL_VIDEODRIVER=dummy"});

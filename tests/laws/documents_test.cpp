@@ -79,11 +79,15 @@ std::set<std::string> anchors_of(const fs::path& page) {
     return found;
 }
 
-std::string help_of(const std::string& command) {
-    static std::map<std::string, std::string> known;
+/// Words and options of a command's help; none where there is no such command.
+const std::set<std::string>& help_of(const std::string& command) {
+    static std::map<std::string, std::set<std::string>> known;
     if (!known.contains(command)) {
-        const Finished help = palpate_command({command, "--help"});
-        known[command] = help.code == 0 ? ' ' + help.out : "";
+        Finished help = palpate_command({command, "--help"});
+        std::ranges::replace_if(
+            help.out, [](char c) { return c == ',' || c == '\n'; }, ' ');
+        const Words words = help.code == 0 ? split(help.out, ' ') : Words{};
+        known[command] = {words.begin(), words.end()};
     }
     return known[command];
 }
@@ -101,7 +105,7 @@ Words words_of(const std::string& command) {
 /// Looks up a command and its options in the program's own help.
 void check_command(const Words& words) {
     const std::string& command = words.front();
-    const std::string help = help_of(command);
+    const auto& help = help_of(command);
     CHECK_FALSE(help.empty());
     bool quoted = false;
     for (std::size_t i = 1; i < words.size(); ++i) {
@@ -110,12 +114,7 @@ void check_command(const Words& words) {
                                std::isalpha(static_cast<unsigned char>(option.back())) != 0;
         quoted = quoted != (std::count(words[i].begin(), words[i].end(), '"') % 2 == 1);
         CAPTURE(option);
-        const bool known = help.find(' ' + option + ' ') != std::string::npos ||
-                           help.find(',' + option + ' ') != std::string::npos ||
-                           help.find(' ' + option + ',') != std::string::npos ||
-                           help.find(' ' + option + '\n') != std::string::npos ||
-                           help.find(',' + option + '\n') != std::string::npos;
-        CHECK((!is_option || known));
+        CHECK((!is_option || help.contains(option)));
     }
 }
 
@@ -126,8 +125,7 @@ bool is_the_launchers(const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere",
-          "[documents][law]") {
+TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere") {
     int links = 0;
     for (const fs::path& page : pages()) {
         for (const std::string& target : between(prose_of(page), "](", ")")) {
@@ -150,8 +148,7 @@ TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere",
     CHECK(links > 80);
 }
 
-TEST_CASE("README fits into 150 lines, and says near its top that nothing was tried on hardware",
-          "[documents]") {
+TEST_CASE("README fits into 150 lines, and says near its top that nothing was tried on hardware") {
     const auto lines = lines_of(kRoot / "README.md");
     CHECK(lines.size() <= 150);
     const auto line_of_it = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
@@ -160,7 +157,7 @@ TEST_CASE("README fits into 150 lines, and says near its top that nothing was tr
     CHECK(line_of_it - lines.begin() < 20);
 }
 
-TEST_CASE("every command that a document shows exists, with every option", "[documents][law]") {
+TEST_CASE("every command that a document shows exists, with every option") {
     int commands = 0;
     for (const fs::path& page : pages()) {
         Words shown = shell_lines(page);
@@ -192,8 +189,7 @@ TEST_CASE("every command that a document shows exists, with every option", "[doc
 }
 
 TEST_CASE(
-    "the study of README goes from registration to export as printed, rehearsed without a rig",
-    "[documents][law]") {
+    "the study of README goes from registration to export as printed, rehearsed without a rig") {
     const TemporaryFolder folder;
     fs::create_symlink(palpate_program(), folder.path() / "palpate");
     const auto lines = shell_lines(kRoot / "README.md");
@@ -202,14 +198,12 @@ TEST_CASE(
     });
     REQUIRE(first != lines.end());
     const auto run = [&](std::string line, const std::string& person) {
-        const auto replace = [&line](const std::string& what, const std::string& by) {
-            if (const std::size_t at = line.find(what); at != std::string::npos) {
-                line.replace(at, what.size(), by);
-            }
-        };
-        replace("P01", person);
-        replace("shape_friction_haply", "shape_friction_demo");  // ten trials of it
-        replace("--device haply:/dev/ttyACM0 --calibration rig.toml", "");
+        for (const auto& [what, by] :
+             {std::pair<std::string, std::string>{"P01", person},
+              {"shape_friction_haply", "shape_friction_demo"},  // ten trials of it
+              {"--device haply:/dev/ttyACM0 --calibration rig.toml", ""}}) {
+            line = all_replaced(line, what, by);
+        }
         if (line.find("export") != std::string::npos) {
             line += " --kind all";
         }
@@ -239,7 +233,7 @@ TEST_CASE(
     CHECK(fs::exists(folder.path() / "shared" / "dataset_description.json"));
 }
 
-TEST_CASE("docs/devices.md names each limit and maker the group is trusted with", "[documents]") {
+TEST_CASE("docs/devices.md names each limit and maker the group is trusted with") {
     const std::string said = prose_of(kRoot / "docs/devices.md");
     const std::string given = prose_of(kRoot / "cmake/debian/70-palpate.rules") +
                               prose_of(kRoot / "cmake/debian/limits.conf");
@@ -251,7 +245,7 @@ TEST_CASE("docs/devices.md names each limit and maker the group is trusted with"
     }
 }
 
-TEST_CASE("every query that a document shows in a shell answers", "[documents][law]") {
+TEST_CASE("every query that a document shows in a shell answers") {
     const TemporaryFolder folder;
     fs::create_symlink(palpate_program(), folder.path() / "palpate");
     ran({"demo", "--headless", "--db", folder.file("study.sqlite")});
@@ -264,16 +258,14 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
             if (query && (!extension || others_load_extension())) {
                 CAPTURE(page, line);
                 const std::string there = "cd '" + folder.path().string() + "' && " + line;
-                const Finished answer = ended(Process({"sh", "-c", there}).wait());
-                CHECK(answer.error.empty());
+                CHECK(ended(Process({"sh", "-c", there}).wait()).error.empty());
             }
         }
     }
     CHECK(queries >= 4);
 }
 
-TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names",
-          "[documents][law]") {
+TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names") {
     const fs::path page = kRoot / "docs" / "protocol.md";
     std::string scene;
     std::string head;
@@ -298,7 +290,7 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
     }
 }
 
-TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
+TEST_CASE("the drawing of the house has every folder of every room, in order") {
     // From the top of the drawing down; the lists of CMake go up.
     Words drawn;
     for (const std::string& line : lines_of(kRoot / "docs" / "architecture.md")) {
@@ -326,16 +318,13 @@ TEST_CASE("the drawing of the house has every folder of every room, in order", "
     CHECK(drawn == built);
 }
 
-TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents][law]") {
+TEST_CASE("docs/protocol.md has every key as the program reads it") {
     const fs::path page = kRoot / "docs" / "protocol.md";
-    std::ostringstream text;
-    text << std::ifstream(page).rdbuf();
+    const std::string text = slurp(page);
     const std::string heading = "## Every key\n";
-    const std::size_t at = text.str().find(heading);
-    REQUIRE(at != std::string::npos);
-    const std::string by_hand = text.str().substr(0, at + heading.size());
+    REQUIRE_THAT(text, Has(heading));
     const std::string whole =
-        by_hand +
+        text.substr(0, text.find(heading)) + heading +
         "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
         palpate_command({"new", "--keys", "--markdown"}).out;
     CHECK_THAT(whole, Has("| `mu_s` |  |", "| `damping_1_mn_m_s` | mN m s |"));
@@ -346,6 +335,6 @@ TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents]
             "Keys have changed. To write docs/protocol.md anew, run this test once with "
             "PALPATE_WRITE_DOCS=1 in the environment:\n"
             "PALPATE_WRITE_DOCS=1 ctest --test-dir build -R 'docs/protocol.md has every key'");
-        CHECK((text.str() == whole));
+        CHECK((text == whole));
     }
 }

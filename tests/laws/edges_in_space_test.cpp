@@ -47,23 +47,47 @@ std::string in_space(const Corner& c) {
     return all;
 }
 
-struct EdgeFelt {
-    std::string mode;
-    double fn, ft, fx, fy, held;
+/// A hand's way in the plane, in its mirror, and in space, aside of the plane there.
+struct EdgeWay {
+    std::string plane = "t_s,x_m,y_m\n";
+    std::string mirrored = plane;
+    std::string space = "t_s,x_m,y_m,z_m\n";
+    std::size_t ticks = 0;
+
+    void go(double x, double z, double aside = 0.01) {
+        const double t = 1e-3 * static_cast<double>(ticks++);
+        plane += fmt::format("{},{},{}\n", t, x, z);
+        mirrored += fmt::format("{},{},{}\n", t, -x, z);
+        space += fmt::format("{},{},{},{}\n", t, x, aside, z);
+    }
 };
 
-std::vector<EdgeFelt> edge_felt(const std::string& scene, const std::string& path, std::size_t cp) {
-    std::vector<EdgeFelt> all;
-    const std::size_t n = cp == 4 ? 2 : 3;  // axes
-    for (const auto& row : csv_body(said_of("render", scene, path))) {
-        const auto number = [&row](std::size_t column) {
-            return std::stod(row.at(column));
-        };
-        const std::size_t force = cp + 2 * n;
-        all.push_back({row.at(1), number(force), std::fabs(number(force + 1)), number(force + 2),
-                       number(force + 1 + n), number(force + 2 + n)});
+/// What `palpate render` makes of a way: its columns, where it is free, the size of friction, and the
+/// force upwards, which is along y in the plane and along z in space.
+Columns edge_felt(const std::string& scene, const std::string& way) {
+    const std::string out = said_of("render", scene, way);
+    Columns felt = columns_in(out);
+    for (const auto& row : csv_records(out)) {
+        felt["free"].push_back(row.at("mode") == "FREE" ? 1.0 : 0.0);
     }
-    return all;
+    for (double& friction : felt["ft_n"]) {
+        friction = std::fabs(friction);
+    }
+    felt["up"] = felt[felt.contains("fz_n") ? "fz_n" : "fy_n"];
+    return felt;
+}
+
+/// Of both the same, these columns within `tolerance`.
+void check_alike(const Columns& a,
+                 const Columns& b,
+                 const Words& columns,
+                 double tolerance,
+                 bool mirrored = false) {
+    for (const std::string& column : columns) {
+        CAPTURE(column, mirrored);
+        REQUIRE(apart(a.at(column), b.at(column), mirrored && column == "fx_n" ? -1.0 : 1.0) <=
+                tolerance);
+    }
 }
 
 std::string law_of(Random& random, double mu) {
@@ -77,37 +101,34 @@ std::string law_of(Random& random, double mu) {
     }
 }
 
-/// t, x and z of a hand that goes to and fro over the vertex, then comes in at one side, goes on to
-/// near the middle, and leaves upwards, again and again.
-std::vector<std::array<double, 3>> edge_hand(Random& random) {
+/// A hand that goes to and fro over the vertex, then comes in at one side, goes on to near the
+/// middle, and leaves upwards, again and again.
+EdgeWay edge_hand(Random& random) {
     double hz[4];
     double phase[4];
     for (std::size_t k = 0; k < 4; ++k) {
         hz[k] = random.in(0.5, 4.0);
         phase[k] = random.in(0.0, 6.0);
     }
-    std::vector<std::array<double, 3>> path;
-    const auto goes = [&path](double x, double z) {
-        path.push_back({1e-3 * static_cast<double>(path.size()), x, z});
-    };
+    EdgeWay way;
     for (int k = 0; k < 2000; ++k) {
         const auto wave = [&](std::size_t w) {
             return std::sin(6.283185307179586e-3 * hz[w] * k + phase[w]);
         };
-        goes(0.006 * wave(0) + 0.002 * wave(1), 0.006 * wave(2) + 0.002 * wave(3) - 0.002);
+        way.go(0.006 * wave(0) + 0.002 * wave(1), 0.006 * wave(2) + 0.002 * wave(3) - 0.002);
     }
     for (int stroke = 0; stroke < 12; ++stroke) {
         const double from = random.coin() ? 0.02 : -0.02;
         const double to = random.in(-0.003, 0.003);
         const double z = random.in(-0.008, -0.002);
         for (int k = 0; k < 60; ++k) {
-            goes(from + (to - from) * k / 60.0, z);
+            way.go(from + (to - from) * k / 60.0, z);
         }
         for (int k = 0; k < 100; ++k) {
-            goes(to, z + 1.6e-4 * k);
+            way.go(to, z + 1.6e-4 * k);
         }
     }
-    return path;
+    return way;
 }
 
 /// A curve of degree 3 with two more points between its ends, and the same extruded.
@@ -169,8 +190,7 @@ std::vector<WavySide> wavy(Random& random) {
 }  // namespace
 
 TEST_CASE(
-    "a wedge and a groove are felt in space as in the plane and its mirror, friction in its cone",
-    "[cli][surface][law]") {
+    "a wedge and a groove are felt in space as in the plane and its mirror, friction in its cone") {
     // In 51 the god-object stood on the patch that leads out, and the other one holds it.
     const auto seed = GENERATE(seeds(16U), value(51U));
     Random random(seed + 4100U);
@@ -184,43 +204,24 @@ TEST_CASE(
     const std::string common =
         fmt::format("[renderer]\nstiffness_n_per_m = 1000.0\ndamping_n_s_per_m = {}\n", damping) +
         law_of(random, mu);
-    std::string plane_path = "t_s,x_m,y_m\n";
-    std::string mirrored_path = plane_path;
-    std::string space_path = "t_s,x_m,y_m,z_m\n";
-    for (const auto& [t, x, z] : edge_hand(random)) {
-        plane_path += fmt::format("{},{},{}\n", t, x, z);
-        mirrored_path += fmt::format("{},{},{}\n", t, -x, z);
-        space_path += fmt::format("{},{},0.01,{}\n", t, x, z);
-    }
-    const auto plane = edge_felt(common + in_plane(corner), plane_path, 4);
-    const auto mirrored = edge_felt(common + in_plane(mirrored_corner(corner)), mirrored_path, 4);
-    const auto space = edge_felt(common + in_space(corner), space_path, 5);
+    const EdgeWay way = edge_hand(random);
+    const Columns plane = edge_felt(common + in_plane(corner), way.plane);
+    const Columns mirrored = edge_felt(common + in_plane(mirrored_corner(corner)), way.mirrored);
+    const Columns space = edge_felt(common + in_space(corner), way.space);
     CAPTURE(seed, wedge, left, right, common);
-    REQUIRE(plane.size() == 3920);
-    REQUIRE(mirrored.size() == 3920);
-    REQUIRE(space.size() == 3920);
-    std::size_t touched = 0;
-    for (std::size_t k = 0; k < plane.size(); ++k) {
-        const EdgeFelt& a = plane[k];
-        const EdgeFelt& b = space[k];
-        CAPTURE(k, a.mode, b.mode, a.fn, b.fn, a.ft, b.ft, a.fx, b.fx, a.fy, b.fy);
-        touched += a.mode == "FREE" ? 0U : 1U;
-        REQUIRE((a.mode == "FREE") == (b.mode == "FREE"));
-        REQUIRE(a.held == b.held);
-        REQUIRE(std::fabs(a.fx - b.fx) < 1e-9);
-        REQUIRE(std::fabs(a.fy - b.fy) < 1e-9);
-        REQUIRE(std::fabs(a.fn - b.fn) < 1e-9);
-        REQUIRE(std::fabs(a.ft - b.ft) < 1e-9);
-        REQUIRE(std::fabs(a.fx + mirrored[k].fx) < 1e-9);
-        REQUIRE(std::fabs(a.fy - mirrored[k].fy) < 1e-9);
-        REQUIRE((damping > 0.0 || b.ft <= mu * b.fn + 1e-9));
+    REQUIRE(plane.at("t_s").size() == 3920);
+    check_alike(plane, space, {"free", "held"}, 0.0);
+    check_alike(plane, space, {"fn_n", "ft_n", "fx_n", "up"}, 1e-9);
+    check_alike(plane, mirrored, {"fx_n", "up"}, 1e-9, true);
+    for (std::size_t k = 0; k < way.ticks && damping == 0.0; ++k) {
+        CAPTURE(k);
+        REQUIRE(space.at("ft_n")[k] <= mu * space.at("fn_n")[k] + 1e-9);
     }
-    CHECK(touched > 200);
+    CHECK(std::ranges::count(plane.at("free"), 0.0) > 200);
 }
 
 TEST_CASE(
-    "without friction a god-object goes to the first foot of its way in space as in the plane",
-    "[cli][surface][law]") {
+    "without friction a god-object goes to the first foot of its way in space as in the plane") {
     const auto seed = GENERATE(seeds(12U));
     CAPTURE(seed);
     Random random(seed + 4200U);
@@ -231,15 +232,9 @@ TEST_CASE(
         space_scene += side.in_space();
     }
     // From outside to the middle, and then in leaps.
-    std::string plane_path = "t_s,x_m,y_m\n";
-    std::string space_path = "t_s,x_m,y_m,z_m\n";
-    std::size_t ticks = 0;
+    EdgeWay way;
     const auto goes = [&](double far, double angle) {
-        const double t = 1e-3 * static_cast<double>(ticks++);
-        const double x = far * std::cos(angle);
-        const double y = far * std::sin(angle);
-        plane_path += fmt::format("{},{},{}\n", t, x, y);
-        space_path += fmt::format("{},{},0.01,{}\n", t, x, y);
+        way.go(far * std::cos(angle), far * std::sin(angle));
     };
     for (int k = 0; k < 30; ++k) {
         const double angle = random.in(0.0, 6.28);
@@ -247,25 +242,18 @@ TEST_CASE(
             goes(0.09 - 0.07 * step / 59.0, angle);
         }
         for (int leap = 0; leap < 4; ++leap) {
-            goes(random.in(0.002, 0.02), random.in(0.0, 6.28));
+            const double far = random.in(0.002, 0.02);
+            goes(far, random.in(0.0, 6.28));
         }
     }
-    const auto plane = edge_felt(plane_scene, plane_path, 4);
-    const auto space = edge_felt(space_scene, space_path, 5);
-    REQUIRE(plane.size() == ticks);
-    REQUIRE(space.size() == ticks);
-    for (std::size_t k = 0; k < ticks; ++k) {
-        const EdgeFelt& a = plane[k];
-        const EdgeFelt& b = space[k];
-        CAPTURE(k, a.mode, b.mode, a.fx, b.fx, a.fy, b.fy);
-        REQUIRE(a.held == b.held);
-        REQUIRE(std::fabs(a.fx - b.fx) < 1e-6);
-        REQUIRE(std::fabs(a.fy - b.fy) < 1e-6);
-    }
+    const Columns plane = edge_felt(plane_scene, way.plane);
+    const Columns space = edge_felt(space_scene, way.space);
+    REQUIRE(plane.at("t_s").size() == way.ticks);
+    check_alike(plane, space, {"held"}, 0.0);
+    check_alike(plane, space, {"fx_n", "up"}, 1e-6);
 }
 
-TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane",
-          "[cli][surface][law]") {
+TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane") {
     const auto seed = GENERATE(seeds(8U));
     Random random(seed + 4400U);
     const engine::Vec2 from{-0.04, random.in(-0.01, 0.01)};
@@ -291,39 +279,23 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
             row(from), row(to));
     }
     // Presses, and out over one end and the other.
-    std::string plane_path = "t_s,x_m,y_m\n";
-    std::string space_path = "t_s,x_m,y_m,z_m\n";
+    EdgeWay way;
     for (int k = 0; k < 2000; ++k) {
         const double t = 1e-3 * k;
-        const double x = std::min(2.5 * t, 1.0) * 0.07 * std::sin(6.3 * t);
-        const double z = k < 200 ? 0.03 - 2.5e-4 * k : -0.02 - 0.003 * std::sin(11.0 * t);
-        plane_path += fmt::format("{},{},{}\n", t, x, z);
-        space_path += fmt::format("{},{},0.0,{}\n", t, x, z);
+        way.go(std::min(2.5 * t, 1.0) * 0.07 * std::sin(6.3 * t),
+               k < 200 ? 0.03 - 2.5e-4 * k : -0.02 - 0.003 * std::sin(11.0 * t), 0.0);
     }
-    const auto plane = edge_felt(plane_scene, plane_path, 4);
-    const auto space = csv_body(said_of("render", space_scene, space_path));
+    const Columns plane = edge_felt(plane_scene, way.plane);
+    const Columns space = edge_felt(space_scene, way.space);
     CAPTURE(seed, from.y, to.y, wall, common);
-    REQUIRE(plane.size() == 2000);
-    REQUIRE(space.size() == 2000);
-    std::size_t held = 0;
-    for (std::size_t k = 0; k < plane.size(); ++k) {
-        const auto number = [&row = space[k]](std::size_t column) {
-            return std::stod(row.at(column));
-        };
-        CAPTURE(k, plane[k].fx, number(13), number(14), plane[k].fy, number(15));
-        held += plane[k].held > 0.0 ? 1U : 0U;
-        REQUIRE(plane[k].held == number(16));
-        REQUIRE(std::fabs(plane[k].fn - number(11)) < 1e-9);
-        REQUIRE(std::fabs(plane[k].ft - number(12)) < 1e-9);
-        REQUIRE(std::fabs(plane[k].fx - number(13)) < 1e-9);
-        REQUIRE(std::fabs(number(14)) < 1e-9);
-        REQUIRE(std::fabs(plane[k].fy - number(15)) < 1e-9);
-    }
-    CHECK(held > 50);
+    REQUIRE(plane.at("t_s").size() == 2000);
+    check_alike(plane, space, {"held"}, 0.0);
+    check_alike(plane, space, {"fn_n", "ft_n", "fx_n", "up"}, 1e-9);
+    CHECK(apart(space.at("fy_n"), space.at("fy_n"), 0.0) < 1e-9);
+    CHECK(std::ranges::count_if(plane.at("held"), [](double held) { return held > 0.0; }) > 50);
 }
 
-TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror",
-          "[cli][deformation][law]") {
+TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror") {
     const auto seed = GENERATE(seeds(8U));
     Random random(seed + 4300U);
     const double left = random.in(0.15, 0.5);
@@ -337,35 +309,21 @@ TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, an
             compliance, mu, in_plane(c), c[2].x, c[2].y, c[0].x, c[0].y);
     };
     const Corner corner = corner_of(false, left, right, 0.0);
-    std::string path = "t_s,x_m,y_m\n";
-    std::string mirrored_path = path;
+    EdgeWay way;
     for (int k = 0; k < 3000; ++k) {
         const double t = 1e-3 * k;
         const double down = std::min(t / 0.2, 1.0);  // from above the object
-        const double x = down * (0.003 * std::sin(9.0 * t) + 0.001 * std::sin(17.0 * t));
-        const double y = down * 0.004 * std::sin(5.0 * t + 1.0) + (1.0 - down) * 0.06;
-        path += fmt::format("{},{},{}\n", t, x, y);
-        mirrored_path += fmt::format("{},{},{}\n", t, -x, y);
+        way.go(down * (0.003 * std::sin(9.0 * t) + 0.001 * std::sin(17.0 * t)),
+               down * 0.004 * std::sin(5.0 * t + 1.0) + (1.0 - down) * 0.06);
     }
-    const auto rigid = edge_felt(scene_of(corner, 0.0), path, 4);
-    const auto soft = edge_felt(scene_of(corner, 1e-7), path, 4);
+    const Columns rigid = edge_felt(scene_of(corner, 0.0), way.plane);
+    const Columns soft = edge_felt(scene_of(corner, 1e-7), way.plane);
     CAPTURE(seed, left, right, mu);
-    REQUIRE(rigid.size() == 3000);
-    REQUIRE(soft.size() == 3000);
-    for (std::size_t k = 0; k < rigid.size(); ++k) {
-        CAPTURE(k, rigid[k].fx, soft[k].fx, rigid[k].fy, soft[k].fy);
-        REQUIRE(std::fabs(rigid[k].fx - soft[k].fx) < 5e-3);
-        REQUIRE(std::fabs(rigid[k].fy - soft[k].fy) < 5e-3);
-    }
+    REQUIRE(rigid.at("t_s").size() == 3000);
+    check_alike(rigid, soft, {"fx_n", "up"}, 5e-3);
     for (const double compliance : {1e-7, 1e-5, 1e-3}) {  // also where a surface still moves
-        const auto felt = edge_felt(scene_of(corner, compliance), path, 4);
-        const auto mirrored =
-            edge_felt(scene_of(mirrored_corner(corner), compliance), mirrored_path, 4);
-        REQUIRE(mirrored.size() == felt.size());
-        for (std::size_t k = 0; k < felt.size(); ++k) {
-            CAPTURE(compliance, k, felt[k].fx, mirrored[k].fx, felt[k].fy, mirrored[k].fy);
-            REQUIRE(std::fabs(mirrored[k].fx + felt[k].fx) < 2e-6);
-            REQUIRE(std::fabs(mirrored[k].fy - felt[k].fy) < 2e-6);
-        }
+        CAPTURE(compliance);
+        check_alike(edge_felt(scene_of(mirrored_corner(corner), compliance), way.mirrored),
+                    edge_felt(scene_of(corner, compliance), way.plane), {"fx_n", "up"}, 2e-6, true);
     }
 }

@@ -7,16 +7,15 @@ namespace {
 
 /// A yes-no study whose conditions are called by numbers.
 std::string yes_no(const TemporaryFolder& folder, const std::string& gap = "gap_s = 0.1") {
-    const std::string file = folder.file("yes_no.toml");
-    write(file,
-          edited(four_trials(),
-                 {{"name = \"off\"", "name = \"01\""},
-                  {"name = \"on\"", "name = \"1\""},
-                  {"[design]",
-                   "[response]\nkind = \"yes_no\"\nquestion = \"Round?\"\nlow = \"no\"\nhigh = "
-                   "\"yes\"\n\n[design]"},
-                  {"gap_s = 0.1", gap}}));
-    return file;
+    return write(
+        folder.file("yes_no.toml"),
+        edited(four_trials(),
+               {{"name = \"off\"", "name = \"01\""},
+                {"name = \"on\"", "name = \"1\""},
+                {"[design]",
+                 "[response]\nkind = \"yes_no\"\nquestion = \"Round?\"\nlow = \"no\"\nhigh = "
+                 "\"yes\"\n\n[design]"},
+                {"gap_s = 0.1", gap}}));
 }
 
 Finished exported(const std::string& file, const std::string& format, const std::string& to) {
@@ -25,8 +24,7 @@ Finished exported(const std::string& file, const std::string& format, const std:
 
 }  // namespace
 
-TEST_CASE("the label of a study means one version for ever, and says which by its hash",
-          "[export][protocol][law]") {
+TEST_CASE("the label of a study means one version for ever, and says which by its hash") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     std::set<std::string> all{"fourtrials"};  // labels that meant something else before
@@ -53,10 +51,7 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
             const std::string to = folder.file(format);
             std::filesystem::remove_all(to);
             ended(exported(file, format, to));
-            std::string text;
-            for (const auto& entry : std::filesystem::directory_iterator(to)) {
-                text += entry.path().filename().string() + '\n' + slurp(entry.path());
-            }
+            const std::string text = everything(to);
             CAPTURE(format, text);
             for (const auto& [label, hash] : hash_of) {
                 CHECK_THAT(text, Has("," + label, "four_trials@" + hash.substr(0, 8)));
@@ -73,16 +68,13 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
     CHECK_THAT(slurp(folder.file("two/sessions.csv")), !Has(",fourtrials,1,"));
 }
 
-TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them",
-          "[export][law]") {
+TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(yes_no(folder), "P1", file, {"--headless"}));
     ended(exported(file, "quickpsy", folder.file("q")));
     const std::string readme = slurp(folder.file("q/README.txt"));
-    const std::size_t from = readme.find("d <- ");
-    REQUIRE(from != std::string::npos);
-    write(folder.file("q/read.R"), readme.substr(from, readme.find("quickpsy::") - from) +
+    write(folder.file("q/read.R"), "d <- " + behind(readme, "d <- ", "quickpsy::") +
                                        "cat(unique(d$condition), class(d$x), class(d$k))\n");
     if (has_r()) {
         const Finished r =
@@ -92,8 +84,7 @@ TEST_CASE("R reads conditions that are called by numbers as a quickpsy export ha
     }
 }
 
-TEST_CASE("an export without a session, or without ticks, says why there are none",
-          "[export][law]") {
+TEST_CASE("an export without a session, or without ticks, says why there are none") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string out = folder.file("out");
@@ -111,7 +102,7 @@ TEST_CASE("an export without a session, or without ticks, says why there are non
     CHECK_FALSE(std::filesystem::exists(out));
 }
 
-TEST_CASE("the folder of an export says first what it is", "[export]") {
+TEST_CASE("the folder of an export says first what it is") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"simulate", "friction_threshold", "--participants", "1", "--no-traces", "--db", file});

@@ -80,7 +80,7 @@ bool same(const Vec2& a, const Vec2& b) {
 }  // namespace
 
 TEST_CASE("whatever fails, every recorded force comes back to the bit from the recorded HIP",
-          "[safety][law]") {
+          "[safety]") {
     int tripped = 0;
     int stale = 0;
     int pressed = 0;

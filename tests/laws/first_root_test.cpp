@@ -33,8 +33,7 @@ engine::Contact felt(const std::string& file, std::size_t tick) {
 
 }  // namespace
 
-TEST_CASE("the god-object stops at the first place in its cone, in the scenes that were hardest",
-          "[friction][law]") {
+TEST_CASE("the god-object stops at the first place in its cone, in the scenes that were hardest") {
     const std::string folder = PALPATE_SOURCE_DIR "/tests/golden/first_root/";
     const std::vector<Row> cases = csv_records(slurp(folder + "expected.csv"));
     REQUIRE(cases.size() >= 18);

@@ -5,10 +5,6 @@ namespace {
 
 const std::string kTwoConditions = test_text("two_conditions.csv");
 
-/// glm's fit of each link, the profile of the threshold by a glm through it, and the test of equal
-/// slopes.
-const std::string kInR = test_text("scripts/glm_fit.R");
-
 std::vector<double> numbers_of(const std::string& text) {
     std::istringstream stream(text);
     std::vector<double> all;
@@ -18,29 +14,44 @@ std::vector<double> numbers_of(const std::string& text) {
     return all;
 }
 
+/// Answers to five items, -10 to 10, a digit each, by friction: the text of their trials.
+/// @param unit  all items and answers times this
+std::string identifications(
+    const std::vector<std::pair<const char*, std::array<const char*, 5>>>& all, int unit = 1) {
+    std::string text = "subject,trial,shape,friction,response\n";
+    int trial = 0;
+    for (const auto& [friction, answers] : all) {
+        for (int item = 0; item < 5; ++item) {
+            for (const char answer : std::string_view(answers.at(static_cast<std::size_t>(item)))) {
+                text += fmt::format("A,{},{},{},{}\n", trial++, unit * (5 * item - 10), friction,
+                                    unit * 5 * (answer - '2'));
+            }
+        }
+    }
+    return text;
+}
+
 void not_fitted(const Words& words, const std::string& why) {
     refused(joined({"fit"}, words), why);
 }
 
 }  // namespace
 
-TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what R's glm says",
-          "[fit][law]") {
+TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what R's glm says") {
     if (!has_r()) {
         return;
     }
-    const TemporaryFolder folder;
-    write(folder.file("d.csv"), kTwoConditions);
-    write(folder.file("fit.R"), kInR);
-    const Finished r =
-        ended(Process({"Rscript", folder.file("fit.R"), folder.file("d.csv")}).wait());
+    // glm's fit of each link, the profile of the threshold by a glm through it, and the test of
+    // equal slopes.
+    const std::string table = PALPATE_SOURCE_DIR "/tests/texts/two_conditions.csv";
+    const Finished r = ended(Process({"Rscript", script("glm_fit.R"), table}).wait());
     const std::vector<double> wanted = numbers_of(r.out);
     REQUIRE(wanted.size() == 3 * 17);
     std::size_t at = 0;
     for (const char* function : {"normal", "logistic", "gumbel"}) {
         CAPTURE(function);
-        const Json all = fitted(
-            {folder.file("d.csv"), "--function", function, "--lapse", "0", "--bootstrap", "0"});
+        const Json all =
+            fitted({table, "--function", function, "--lapse", "0", "--bootstrap", "0"});
         for (const Json& curve : all["curves"]) {
             const Json& threshold = curve["threshold"];
             for (const Json& got :
@@ -59,7 +70,7 @@ TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what 
 // Values: psignifit 3 (github.com/mih/Psignifit-3.x, tests/interface_test.py,
 // TestMapestimate.test_old_doctest), two alternatives, logistic of (x - a) / b, lapses flat in 0 to
 // 0.1. Its search stops where the deviance is 2e-8 above the least.
-TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][law]") {
+TEST_CASE("palpate fit says of psignifit's example what psignifit says") {
     const TemporaryFile file("d.csv");
     write(file, "stimulus,n,k\n0,50,34\n2,50,32\n4,50,40\n6,50,48\n8,50,50\n10,50,48\n");
     const Json all = fitted(
@@ -72,7 +83,7 @@ TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][
     CHECK(curve["deviance"].get<double>() <= 8.07133136423);
 }
 
-TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", "[fit][law]") {
+TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes") {
     // The same answers to stimuli 1.3 times as large: slopes are equal, JNDs are not. R 4.2.2,
     // optim of both curves and of both with one JND.
     std::string text = "condition,stimulus,n,k\n";
@@ -90,7 +101,7 @@ TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", 
     }
 }
 
-TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it", "[fit]") {
+TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), kTwoConditions);
     const Words words{"fit",         folder.file("d.csv"),
@@ -133,7 +144,7 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
           palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200"}).out);
 }
 
-TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[fit]") {
+TEST_CASE("palpate fit shows its priors, and what the answers do not bound") {
     const TemporaryFolder folder;
     write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
     const Finished steep = ran({"fit", folder.file("steep.csv"), "--lapse", "0"});
@@ -145,12 +156,12 @@ TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[f
     CHECK_THAT(bounded.out, Has("MAP with priors slope b ~ lognormal: median, sd of "
                                 "ln (2, 0.7), lapse ~ beta(2, 50)") &&
                                 !Has("unbounded"));
-    write(folder.file("falls.csv"), "stimulus,n,k\n1,10,9\n2,10,5\n3,10,1\n");
-    CHECK_THAT(palpate_command({"fit", folder.file("falls.csv")}).out,
-               Has("the share of 1 does not grow with the stimulus", "unbounded: "));
+    CHECK_THAT(
+        ran({"fit", write(folder.file("falls.csv"), "stimulus,n,k\n1,10,9\n2,10,5\n3,10,1\n")}).out,
+        Has("the share of 1 does not grow with the stimulus", "unbounded: "));
 }
 
-TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy", "[fit]") {
+TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
     for (const auto& row : test_rows("fit_refusals.tsv")) {  // the table, words, and what is said
@@ -161,7 +172,7 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     not_fitted({folder.file("none.csv")}, "none.csv");
 }
 
-TEST_CASE("a table is fitted, and tested, from a pipe too", "[fit][stats]") {
+TEST_CASE("a table is fitted, and tested, from a pipe too") {
     const auto piped = [](const std::string& table, const std::string& words) {
         const std::string line =
             "printf '" + table + "' | '" + palpate_program() + "' " + words + " --json";
@@ -175,8 +186,7 @@ TEST_CASE("a table is fitted, and tested, from a pipe too", "[fit][stats]") {
                 "stats /dev/stdin --simulations 0")["applied"]["answers"] == 1);
 }
 
-TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
-          "[fit][adaptive]") {
+TEST_CASE("palpate fit of a database fits the same answers as that of their counts") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("a.sqlite");
@@ -215,8 +225,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     }
 }
 
-TEST_CASE("who is excluded is not said to have answered badly, and what counts is False, 0 or NA",
-          "[fit][choice][left-out]") {
+TEST_CASE("who is excluded is not said to have answered badly, and what counts is False, 0 or NA") {
     const TemporaryFile file("d.csv");
     const auto table = [&](const char* counts) {
         std::string text = "subject,trial,shape,friction,response,excluded\n";
@@ -243,8 +252,8 @@ TEST_CASE("who is excluded is not said to have answered badly, and what counts i
 }
 
 TEST_CASE(
-    "palpate fit of identifications parts how well from how named, of a database as of its trials",
-    "[fit][choice]") {
+    "palpate fit of identifications parts how well from how named, of a database as of its "
+    "trials") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
@@ -290,27 +299,16 @@ TEST_CASE(
     ran({"fit", file, "--kind", "simulated", "--item", first + "=-12"});
 }
 
-TEST_CASE("palpate fit of identifications says the same in any unit of the items",
-          "[fit][choice][law]") {
+TEST_CASE("palpate fit of identifications says the same in any unit of the items") {
     // Somebody of a simulated study, whose likelihood has hills: of sigmas 0.907 and 0.05 a simplex
     // from 12 starts found it 1.13 below the maximum, so that a first sigma of 0 is not refuted.
-    const std::array<std::array<const char*, 5>, 2> answers{
-        {{"0000000001", "0111111111", "1112222222", "2222333333", "3444444444"},
-         {"0000000000", "0000111111", "1222222222", "2222333333", "3333344444"}}};
     const TemporaryFile file("d.csv");
     const auto in_unit = [&](int unit) {
-        std::string text = "subject,trial,shape,friction,response\n";
-        int trial = 0;
-        for (std::size_t f = 0; f < 2; ++f) {
-            for (std::size_t item = 0; item < 5; ++item) {
-                for (const char answer : std::string_view(answers[f][item])) {
-                    text += fmt::format("A,{},{},{},{}\n", trial++,
-                                        unit * (5 * static_cast<int>(item) - 10),
-                                        f == 0 ? "off" : "on", unit * 5 * (answer - '2'));
-                }
-            }
-        }
-        write(file, text);
+        write(file,
+              identifications(
+                  {{"off", {"0000000001", "0111111111", "1112222222", "2222333333", "3444444444"}},
+                   {"on", {"0000000000", "0000111111", "1222222222", "2222333333", "3333344444"}}},
+                  unit));
         return fitted({file})["people"][0]["conditions"];
     };
     const Json metres = in_unit(1);
@@ -325,32 +323,18 @@ TEST_CASE("palpate fit of identifications says the same in any unit of the items
     not_fitted({file, "--item=-10000=-1e308", "--item=10000=1e308"}, "values that differ less");
 }
 
-TEST_CASE("the changes of a person are those of the sigmas beside them, however many conditions",
-          "[fit][choice][law]") {
+TEST_CASE("the changes of a person are those of the sigmas beside them, however many conditions") {
     // Of "mid" R's profile (optim, 12 starts) loses 1.12 of log-likelihood at a ratio of 0.001 and
     // 1.13 at a sigma of 0.02, less than 1.92: neither refutes 0.
-    struct Drawn {
-        const char* friction;
-        std::array<const char*, 5> answers;
-    };
-    const std::vector<Drawn> all{{"off", {"011", "1124", "1222", "2233", "4444"}},
-                                 {"mid", {"0001", "1112", "1122", "2333", "3334"}},
-                                 {"on", {"0012", "0113", "1223", "2344", "2344"}}};
-    const auto fit_of = [&](std::size_t frictions) {
-        std::string text = "subject,trial,shape,friction,response\n";
-        int trial = 0;
-        for (std::size_t f = 0; f < frictions; ++f) {
-            for (int item = 0; item < 5; ++item) {
-                for (const char answer :
-                     std::string_view(all[f].answers.at(static_cast<std::size_t>(item)))) {
-                    text += fmt::format("A,{},{},{},{}\n", trial++, 5 * item - 10, all[f].friction,
-                                        5 * (answer - '2'));
-                }
-            }
-        }
-        const TemporaryFolder folder;
-        write(folder.file("d.csv"), text);
-        return fitted({folder.file("d.csv"), "--baseline", "off"})["people"][0]["conditions"];
+    const auto fit_of = [](std::size_t frictions) {
+        std::vector<std::pair<const char*, std::array<const char*, 5>>> all{
+            {"off", {"011", "1124", "1222", "2233", "4444"}},
+            {"mid", {"0001", "1112", "1122", "2333", "3334"}},
+            {"on", {"0012", "0113", "1223", "2344", "2344"}}};
+        all.resize(frictions);
+        const TemporaryFile file("d.csv");
+        write(file, identifications(all));
+        return fitted({file, "--baseline", "off"})["people"][0]["conditions"];
     };
     const Json two = fit_of(2);
     CHECK(two[1]["sigma_95"][0] == 0.0);
@@ -367,8 +351,7 @@ TEST_CASE("the changes of a person are those of the sigmas beside them, however 
     }
 }
 
-TEST_CASE("biases of items that no confusion links have no ratio, and are said to have none",
-          "[fit][choice][law]") {
+TEST_CASE("biases of items that no confusion links have no ratio, and are said to have none") {
     const TemporaryFolder folder;
     std::string rows = "subject,trial,shape,friction,response\n";
     int trial = 0;

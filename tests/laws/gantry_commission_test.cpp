@@ -1,6 +1,6 @@
-#include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 // Three axes from the box to their first session, by the shipped program, seen from outside.
 
@@ -15,11 +15,8 @@ std::string board_words(const std::string& preset) {
 
 /// The example with another word for a key.
 std::string wired(const TemporaryFolder& folder, const std::string& key) {
-    std::string text = slurp(kExample);
-    const std::size_t at = text.find(key + " = \"forward\"");
-    REQUIRE(at != std::string::npos);
-    text.replace(at, key.size() + 12, key + " = \"backward\"");
-    std::ofstream(folder.file("wired.toml")) << text;
+    write(folder.file("wired.toml"),
+          replaced(slurp(kExample), key + " = \"forward\"", key + " = \"backward\""));
     return folder.file("wired.toml");
 }
 
@@ -42,7 +39,7 @@ std::string found(const TemporaryFolder& folder, FreeBoard& board, const char* h
 }  // namespace
 
 TEST_CASE("whatever is wrong with a board of three axes is found, named and left without a force",
-          "[commission][open][gantry][law]") {
+          "[open]") {
     const TemporaryFolder folder;
     SECTION("a motor") {
         FreeBoard board(folder, board_words(wired(folder, "motor_z")));
@@ -92,7 +89,7 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
 }
 
 TEST_CASE("commissioning of three axes that is stopped or killed leaves no force and no file",
-          "[commission][open][gantry][safety][law]") {
+          "[open][safety]") {
     const TemporaryFolder folder;
     EACH(signal, SIGINT, SIGTERM, SIGKILL);
     FreeBoard board(folder, board_words(kExample));
@@ -134,17 +131,16 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
 }
 
 TEST_CASE("three axes are commissioned by an operator, and then a real session is felt on them",
-          "[commission][open][gantry][window][law]") {
+          "[open][window]") {
     const TemporaryFolder folder;
     auto right = std::make_unique<FreeBoard>(folder, board_words(kExample));
     FreeBoard& board = *right;
     board.bring("friction 0.3");  // 0.5 N move it, and 1 N tell its numbers
     board.bring("weight 0.15");
-    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml");
-    const std::string start = "start_mm = [0, 0]";
-    text.replace(text.find(start), start.size(),
-                 start + "\nstart_radius_mm = 0");  // it sinks from there
-    write(folder.file("p.toml"), text);
+    write(folder.file("p.toml"),
+          replaced(slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml"),
+                   "start_mm = [0, 0]",
+                   "start_mm = [0, 0]\nstart_radius_mm = 0"));  // it sinks from there
     const std::string db = folder.file("d.sqlite");
     const auto session = [&](const std::string& calibration) {
         return fmt::format(
@@ -182,47 +178,35 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(refused(folder.file("changed.toml")),
                Has("was changed after the rig was commissioned"));
 
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
-    const auto typed = opened_session(folder, board, screen, session(file), kAtHome);
-    INFO(typed->program().error());
-    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
+    OpenedSession run(folder, board, session(file), kAtHome);
+    run.wait_for("welcome");
     board.bring(kAtHome);
     board.bring("explore");
     bool felt = false;
-    for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
-        if (hand.find_window("palpate: ").title == "palpate: explore") {
+    for (int i = 0; i < 1800 && !felt && run.program().running(); ++i) {
+        if (run.title() == "palpate: explore") {
             felt = board.motors() != "0, 0, 0";
         } else {
-            press_on(hand);  // also from a trouble of a busy machine
+            press_on(run.hand);  // also from a trouble of a busy machine
         }
         pause(0.05);
     }
     CHECK(felt);
-    end_session(hand, *typed);
-    const Finished end = typed->program().wait();
-    CHECK(end.code == 3);
+    CHECK(run.end().code == 3);
     CHECK(board.motors() == "0, 0, 0");
-    data::Database database(db, data::Access::read);
-    auto row = database.prepare(
+    const Words proofs = lines_in(sql_lines(
+        db,
         "SELECT key, value, session_kind FROM event JOIN session USING (session_id) WHERE "
-        "event_kind = "
-        "'provenance' ORDER BY event_id");
-    REQUIRE(row.step());
-    CHECK(row.text(0) == "start pose");
-    CHECK_THAT(row.text(1), Has("second mark met to "));
-    REQUIRE(row.step());
-    CHECK(row.text(0) == "rig check");
-    CHECK(count_of(row.text(1), " % at ") == 6);
-    CHECK(row.text(2) == "real");
+        "event_kind = 'provenance' ORDER BY event_id"));
+    REQUIRE(proofs.size() >= 2);
+    CHECK_THAT(proofs[0], StartsWith("start pose|") && Has("second mark met to "));
+    CHECK_THAT(proofs[1], StartsWith("rig check|") && EndsWith("|real"));
+    CHECK(count_of(proofs[1], " % at ") == 6);
     ran({"verify", db});
 
     // Plugs of two axes that are exchanged, motors and encoders alike: the pulses cannot tell.
     const std::string words = session(file);
-    right.reset();
-    for (const char* name : {"hand", "board"}) {
-        std::filesystem::remove(folder.file(name));
-    }
+    unplug(folder, right);
     std::string plugs = slurp(kExample);
     std::swap(plugs[plugs.find("channel_x = ") + 12], plugs[plugs.find("channel_y = ") + 12]);
     write(folder.file("plugs.toml"), plugs);
@@ -231,25 +215,4 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     const Finished believed = operated(folder, wrong, words, kAtHome);
     CHECK(believed.code != 0);
     CHECK_THAT(believed.error, Has("the handle is at the second mark", "its plugs were exchanged"));
-}
-
-TEST_CASE("what moves is weighed in the words of its kind of machine, or named and refused",
-          "[commission][gantry]") {
-    const TemporaryFolder folder;
-    const auto refused = [&](const Words& words, const std::string& why) {
-        const Words all = joined({"commission", "-o", folder.file("rig.toml")}, words);
-        CAPTURE(words);
-        CHECK_THAT(ran(all, 2).error, Has(why));
-        CHECK(folder.names().empty());
-    };
-    const Words straight{"--device", "board:/dev/none", "--calibration", kExample};
-    const auto with = [&](const std::string& option, const std::string& value) {
-        return joined(straight, {option, value});
-    };
-    refused(straight, "gantry has three axes: give --moved-g, what the motors");
-    refused(with("--handle-g", "60"), "--handle-g 60 is of a linkage, and gantry has three axes");
-    refused(with("--moved-g", "120,120"), "--moved-g 120,120: give --moved-g");
-    refused(with("--moved-g", "120,0,120"), "--moved-g 120,0,120: give --moved-g");
-    refused({"--moved-g", "1,2,3"},
-            "--moved-g 1,2,3 is of three axes: give --handle-g for the pantograph");
 }

@@ -9,13 +9,9 @@ std::string by_sql(const std::string& file, const std::string& query) {
     return out.substr(out.find('\n') + 1);
 }
 
-/// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
-/// their friction does.
-std::string identified(const TemporaryFolder& folder) {
-    std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 2"},
-                                                  {"name = \"off\"", "name = \"smooth\""},
-                                                  {"name = \"on\"", "name = \"rough\""}});
-    write(folder.file("p.toml"), protocol);
+/// Two people of a study.
+std::string two_people(const TemporaryFolder& folder, const std::string& study) {
+    write(folder.file("p.toml"), study);
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
         ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
@@ -23,19 +19,17 @@ std::string identified(const TemporaryFolder& folder) {
     return file;
 }
 
-std::string graded(const TemporaryFolder& folder) {
-    write(folder.file("q.toml"), adaptive_text(kQuestPlusRule));
-    const std::string file = folder.file("q.sqlite");
-    for (const char* person : {"Ada", "Bob"}) {
-        ran(run_words(folder.file("q.toml"), person, file, {"--device", "sim"}));
-    }
-    return file;
+/// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
+/// their friction does.
+std::string identified(const TemporaryFolder& folder) {
+    return two_people(folder, edited(four_trials(), {{"repetitions = 1", "repetitions = 2"},
+                                                     {"name = \"off\"", "name = \"smooth\""},
+                                                     {"name = \"on\"", "name = \"rough\""}}));
 }
 
 }  // namespace
 
-TEST_CASE("scripts to begin with load an export in R and Python, factors and levels set",
-          "[export][stats]") {
+TEST_CASE("scripts to begin with load an export in R and Python, factors and levels set") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     const std::string out = folder.file("shared");
@@ -46,15 +40,11 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         by_sql(file,
                "SELECT sum(correct) FROM analysis_trial WHERE counts AND phase = 'main' AND "
                "session_kind = 'simulated'");
-    if (const Finished r =
-            Process({"sh", "-c",
-                     "cd '" + out +
-                         "' && Rscript analysis.R && Rscript -e \"sink('/dev/null'); "
-                         "source('analysis.R'); sink(); cat(levels(main\\$friction)); cat('|'); "
-                         "cat(levels(main\\$planned_object)); cat('|'); "
-                         "cat(levels(trials\\$session_kind)); cat('|'); cat(nrow(main)); cat('|'); "
-                         "cat(sum(main\\$correct), '\\n', sep = '')\""})
-                .wait();
+    const std::string within = "cd '" + out + "' && ";
+    if (const Finished r = Process({"sh", "-c",
+                                    within + "Rscript analysis.R && Rscript -e \"source('" +
+                                        script("loads_export.R") + "')\""})
+                               .wait();
         r.code == 0) {
         CHECK(lines_in(r.out).back() + '\n' == wanted);
         CHECK_THAT(r.out, Has("smooth rough\n"));
@@ -69,11 +59,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         pandas = true;
         const Finished py = ended(
             Process({"sh", "-c",
-                     "cd '" + out + "' && " + python +
-                         " -c \"import analysis as a; print(*a.main.friction.cat.categories, sep=' "
-                         "', end='|'); print(*a.main.planned_object.cat.categories, sep=' ', "
-                         "end='|'); print(*a.trials.session_kind.cat.categories, sep=' ', "
-                         "end='|'); print(len(a.main), int(a.main.correct.sum()), sep='|')\""})
+                     within + "PYTHONPATH=. " + python + " '" + script("loads_export.py") + "'"})
                 .wait());
         CHECK(lines_in(py.out).back() + '\n' == wanted);
     }
@@ -86,8 +72,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
                Has("is no export: it has no columns.csv"));
 }
 
-TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong",
-          "[export][stats]") {
+TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     std::string asked = replaced(four_trials(), "id = \"four_trials\"", "id = \"asked\"");
@@ -112,8 +97,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
                    Has("fourtrials, simulated:\n", "asked, simulated: no answer is right or wrong",
                        "mean answer_code", "concave") &&
                        !Has("NA") && !Has("NaN"));
-        const std::string first = ran.out.substr(ran.out.find("fourtrials"));
-        CHECK(lines_in(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
+        CHECK(lines_in(behind(ran.out, "fourtrials", "asked")).size() == (r ? 4 : 5));
         const std::string script = r ? "analysis.R" : "analysis.py";
         const Finished none =
             Process({"sh", "-c",
@@ -125,10 +109,9 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
     }
 }
 
-TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name",
-          "[export][fit][law]") {
+TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name") {
     const TemporaryFolder folder;
-    const std::string file = graded(folder);
+    const std::string file = two_people(folder, adaptive_text(kQuestPlusRule));
     const std::string wanted = by_sql(
         file,
         "SELECT printf('sub-%010d', subject), 'adaptive', session_kind, run_name, stimulus, "
@@ -145,7 +128,7 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
     ran({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
     std::map<std::string, std::string> files;  // by whose they are
     for (const std::string& line : lines_in(slurp(folder.file("p/index.csv")))) {
-        files[line.substr(line.find(',') + 1)] = line.substr(0, line.find(','));
+        files[behind(line, ",")] = behind(line, "", ",");
     }
     std::map<std::string, std::string> counts;
     for (std::size_t i = 0; i < theirs.size(); ++i) {
@@ -169,15 +152,13 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         CHECK_THAT(slurp(folder.file(named)), !Has("Ada"));
     }
     const TemporaryFolder other;
-    CHECK_THAT(ran({"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o",
-                    other.file("q")},
-                   2)
-                   .error,
-               Has("no session has two-interval or yes-no answers"));
+    refused(
+        {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")},
+        "no session has two-interval or yes-no answers");
     CHECK_FALSE(std::filesystem::exists(other.file("q")));
 }
 
-TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[export]") {
+TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     ran({"export", file, "--as", "psychopy", "--kind", "all", "-o", folder.file("w")});

@@ -22,7 +22,7 @@ double one_count(const Pantograph& pantograph, const JointAngles& angles) {
 
 TEST_CASE(
     "with every shipped calibration the whole chain finds the handle within one encoder count",
-    "[laws][haply][law]") {
+    "[haply]") {
     const std::string name = GENERATE("haplet", "2diy_gen2", "2diy_gen3");
     const bool homed = GENERATE(false, true);
     CAPTURE(name, homed);
@@ -60,7 +60,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all through its round",
-          "[laws][haply][law]") {
+          "[haply]") {
     EACH(name, as<std::string>{}, "haplet", "2diy_gen2", "2diy_gen3");
     const Calibration machine = load_calibration(name);
     const Pantograph pantograph(machine.pantograph);
@@ -94,7 +94,7 @@ TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all th
 
 TEST_CASE(
     "over a real port the simulated hand of the demo is found at the start of each exploration",
-    "[laws][haply][law]") {
+    "[haply]") {
     EACH(name, as<std::string>{}, "haplet", "2diy_gen2", "2diy_gen3");
     Calibration machine = load_calibration(name);
     machine.home = Exploration{}.start;

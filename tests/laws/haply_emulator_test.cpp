@@ -8,34 +8,21 @@
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
-namespace engine = palpate::engine;
-namespace protocols = palpate::protocols;
+namespace {
 
-TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is interrupted",
-          "[laws][haply]") {
-    const TemporaryFile link("board");
-    Process emulator(
-        {palpate_program(), "haply-emulator", "--link", link, "--preset", "2diy_gen2"});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
-    {
-        const engine::Calibration machine = protocols::load_calibration("2diy_gen2");
-        const auto device = engine::open_haply(link, machine, {.patience = 200.0, .silence = 10.0},
-                                               {.patience = 100'000});
-        const engine::Reading reading = device->read();
-        CHECK(reading.fresh);
-        const engine::Pantograph pantograph(machine.pantograph);
-        CHECK(glm::length(engine::Vec2(reading.hip) -
-                          pantograph.locate(pantograph.angles({0, 0}))->hip) < 1e-4);
+/// An emulated board at a port, with more words of `palpate haply-emulator`.
+struct EmulatedPort {
+    explicit EmulatedPort(const Words& more = {})
+        : program(joined(command_of({"haply-emulator", "--link", link}), more)) {
+        REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     }
-    emulator.signal(SIGINT);
-    const Finished finished = emulator.wait();
-    CHECK(finished.code == 0);
-    CHECK(finished.out == link + "\n");
-    CHECK_FALSE(std::filesystem::is_symlink(link));
-}
+    TemporaryFolder folder;
+    std::string link = folder.file("board");
+    Process program;
+};
 
 /// The report is wrapped where its lines end: not where a test looks for words.
-static std::string on_one_line(const std::string& text) {
+std::string on_one_line(const std::string& text) {
     std::string line;
     for (const char c : text) {
         const bool space = c == ' ' || c == '\n';
@@ -46,49 +33,62 @@ static std::string on_one_line(const std::string& text) {
     return line;
 }
 
+/// What `palpate doctor` says of a device, on one line.
+std::string doctor(const std::string& device, const Words& environment = {}) {
+    const TemporaryFile file("d.sqlite");
+    return on_one_line(
+        Process(command_of({"doctor", "--device", device, "--seconds", "0.05", "--db", file}),
+                joined({"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}, environment))
+            .wait()
+            .out);
+}
+
+}  // namespace
+
+TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is interrupted",
+          "[haply]") {
+    EmulatedPort emulator({"--preset", "2diy_gen2"});
+    {
+        const engine::Calibration machine = protocols::load_calibration("2diy_gen2");
+        const auto device = engine::open_haply(
+            emulator.link, machine, {.patience = 200.0, .silence = 10.0}, {.patience = 100'000});
+        const engine::Reading reading = device->read();
+        CHECK(reading.fresh);
+        const engine::Pantograph pantograph(machine.pantograph);
+        CHECK(glm::length(engine::Vec2(reading.hip) -
+                          pantograph.locate(pantograph.angles({0, 0}))->hip) < 1e-4);
+    }
+    emulator.program.signal(SIGINT);
+    CHECK(ended(emulator.program.wait()).out == emulator.link + "\n");
+    CHECK_FALSE(std::filesystem::is_symlink(emulator.link));
+}
+
 TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how long answers take",
-          "[laws][haply][doctor]") {
-    const TemporaryFolder folder;
-    const std::string link = folder.file("board");
+          "[haply]") {
     EACH(delay, as<std::string>{}, "0", "0.3", "1", "2");
-    const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
-                            "2diy_gen3", "--delay-ms", delay});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    const EmulatedPort emulator({"--delay-ms", delay});
     bool well = false;
     for (int i = 0; i < 20 && !well; ++i) {  // a busy machine may keep the board silent for 20 ms
-        const Finished doctor = palpate_command({"doctor", "--device", "haply:" + link, "--seconds",
-                                                 "0.05", "--db", folder.file("d.sqlite")});
-        CAPTURE(doctor.out);
-        REQUIRE_THAT(doctor.out, !Has("sent what cannot be"));
-        well = doctor.out.find("ok    device ") == 0;
-        const std::string out = on_one_line(doctor.out);
-        const auto said = out.find("answers after ");
-        REQUIRE((!well || said != std::string::npos));
-        CHECK((!well || std::stod(out.substr(said + 14)) >= std::stod(delay)));
+        const std::string out = doctor("haply:" + emulator.link);
+        CAPTURE(out);
+        REQUIRE_THAT(out, !Has("sent what cannot be"));
+        well = out.starts_with("ok device ");
+        const std::string said = behind(out, "answers after ");
+        REQUIRE((!well || !said.empty()));
+        CHECK((!well || std::stod(said) >= std::stod(delay)));
     }
     CHECK(well);
 }
 
 TEST_CASE("the doctor looks at the emulated board, and refuses answers that come too late",
-          "[laws][haply][doctor]") {
-    const TemporaryFolder folder;
-    const auto look = [&](const std::string& device) {
-        return on_one_line(palpate_command({"doctor", "--device", device, "--seconds", "0.05",
-                                            "--db", folder.file("d.sqlite")})
-                               .out);
-    };
-    CHECK_THAT(look("haply-emulator"), StartsWith("ok device ") && Has("answers after "));
-    const std::string link = folder.file("board");
-    const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
-                            "2diy_gen3", "--delay-ms", "40"});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
-    CHECK_THAT(look("haply:" + link), StartsWith("fail device ") && !Has("sent what cannot be"));
+          "[haply]") {
+    CHECK_THAT(doctor("haply-emulator"), StartsWith("ok device ") && Has("answers after "));
+    const EmulatedPort emulator({"--delay-ms", "40"});
+    CHECK_THAT(doctor("haply:" + emulator.link),
+               StartsWith("fail device ") && !Has("sent what cannot be"));
 }
 
-TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
-    const Finished preset = ran({"haply-emulator", "--preset", "gen9"}, 2);
-    CHECK_THAT(preset.error, Has("one of haplet, 2diy_gen2, 2diy_gen3"));
-    CHECK_THAT(ran({"haply-emulator", "--preset", "mk2"}, 2).error, Has("no Haply board"));
+TEST_CASE("an emulator that cannot be is refused with a sentence", "[haply]") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes")) << "mine";
     CHECK_THAT(ran({"haply-emulator", "--link", folder.file("notes")}, 1).error,
@@ -96,32 +96,24 @@ TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply
     CHECK(std::filesystem::file_size(folder.file("notes")) == 4);
     CHECK_THAT(ran({"haply-emulator", "--link", "/proc/no/such/place"}, 1).error,
                Has("name a file in a folder that you may write"));
-    CHECK_THAT(ran({"haply-emulator", "--free", "--start", "900,0"}, 2).error,
-               Has("--start 900,0: the handle of 2diy_gen3 does not reach there"));
-    const std::string link = folder.file("board");
-    Process first({palpate_program(), "haply-emulator", "--link", link});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
-    const auto leads_to = std::filesystem::read_symlink(link);
+    EmulatedPort first;
+    const auto leads_to = std::filesystem::read_symlink(first.link);
     for (const Words& kind : {Words{}, Words{"--open"}}) {
-        CHECK_THAT(ran(joined({"haply-emulator", "--link", link}, kind), 1).error,
-                   Has("is there: end it, or give another name"));
-        CHECK(std::filesystem::read_symlink(link) == leads_to);
+        refused(joined({"haply-emulator", "--link", first.link}, kind),
+                "is there: end it, or give another name", 1);
+        CHECK(std::filesystem::read_symlink(first.link) == leads_to);
     }
-    CHECK(first.ended_by(SIGINT) == 0);
+    CHECK(first.program.ended_by(SIGINT) == 0);
 }
 
 TEST_CASE("who had the port open before is named and left as it was, and nothing begins beside it",
-          "[laws][haply][doctor]") {
+          "[haply]") {
+    EmulatedPort emulator;
     const TemporaryFolder folder;
-    const std::string link = folder.file("board");
-    Process emulator({palpate_program(), "haply-emulator", "--link", link});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     Process stranger(
-        {"/bin/sh", "-c", "exec 3<>'" + link + "'; stty 9600 echo <&3; exec sleep 600"});
+        {"/bin/sh", "-c", "exec 3<>'" + emulator.link + "'; stty 9600 echo <&3; exec sleep 600"});
     const auto said = [&] {
-        return on_one_line(palpate_command({"doctor", "--device", "haply:" + link, "--seconds",
-                                            "0.05", "--db", folder.file("d.sqlite")})
-                               .out);
+        return doctor("haply:" + emulator.link);
     };
     std::string out;
     for (int i = 0; i < 20 && out.find(", sleep (process ") == std::string::npos; ++i) {
@@ -131,41 +123,34 @@ TEST_CASE("who had the port open before is named and left as it was, and nothing
     for (const Words& begins :
          {run_words("pilot", "P1", folder.file("d.sqlite"), {"--windowed", "--kind", "pilot"}),
           Words{"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
-        const Words words =
-            joined(command_of(begins), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});
+        const Words words = joined(command_of(begins), {"--device", "haply:" + emulator.link,
+                                                        "--calibration", "2diy_gen3"});
         const Finished beside = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
         CAPTURE(begins, beside.out, beside.error);
         CHECK(beside.code == 1);
         CHECK_THAT(on_one_line(beside.error), Has("in use by another program, sleep"));
     }
-    CHECK(folder.names().size() == 1);  // the board's
-    CHECK_THAT(Process({"/bin/stty", "-a", "-F", link}).wait().out,
+    CHECK(folder.names().empty());
+    CHECK_THAT(Process({"/bin/stty", "-a", "-F", emulator.link}).wait().out,
                Has("speed 9600 baud", " echo "));
     stranger.signal(SIGKILL);
     CHECK(stranger.wait().code != 0);
     CHECK_THAT(said(), !Has("in use by another program"));
-    CHECK(emulator.ended_by(SIGINT) == 0);
+    CHECK(emulator.program.ended_by(SIGINT) == 0);
 }
 
 TEST_CASE("the guard goes into a control group of its own where systemd grants one, else stays",
-          "[laws][haply][guard][doctor]") {
+          "[haply]") {
+    EmulatedPort emulator;
     const TemporaryFolder folder;
-    const std::string link = folder.file("board");
-    Process emulator({palpate_program(), "haply-emulator", "--link", link});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     // What systemd does with the process named last but one.
     const std::string group = "/sys/fs/cgroup/freezer/palpate-" + std::to_string(getpid());
     const auto said = [&](const std::string& does) {
         std::ofstream(folder.file("busctl"))
             << "#!/bin/sh\nwhile [ $# -gt 2 ]; do shift; done\n" + does + "\n";
         std::filesystem::permissions(folder.file("busctl"), std::filesystem::perms::owner_all);
-        const std::string out =
-            Process({palpate_program(), "doctor", "--device", "haply:" + link, "--seconds", "0.05",
-                     "--db", folder.file("d.sqlite")},
-                    {"PATH=" + folder.path().string() + ":" + std::getenv("PATH")})
-                .wait()
-                .out;
-        return on_one_line(out);
+        return doctor("haply:" + emulator.link,
+                      {"PATH=" + folder.path().string() + ":" + std::getenv("PATH")});
     };
     CHECK_THAT(said("exit 1"), Has("its guard shares palpate's control group"));
     std::error_code error;
@@ -174,35 +159,27 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
                    Has("its guard has a control group of its own"));
         CHECK(eventually([&] { return std::filesystem::remove(group, error); }));
     }
-    CHECK(emulator.ended_by(SIGINT) == 0);
+    CHECK(emulator.program.ended_by(SIGINT) == 0);
 }
 
-TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise",
-          "[laws][haply][law]") {
+TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise", "[haply]") {
+    const EmulatedPort emulator;
     const TemporaryFolder folder;
-    const std::string link = folder.file("board");
-    const Process emulator({palpate_program(), "haply-emulator", "--link", link});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     const auto spec = session_spec(small_protocol());
-    write(folder.file("small.toml"), protocols::to_toml(spec.protocol));
+    const std::string study = write(folder.file("small.toml"), protocols::to_toml(spec.protocol));
     const std::string file = folder.file("d.sqlite");
     {  // a simulated session that has begun, on another device
-        palpate::data::Database database(file, palpate::data::Access::write);
-        const auto opened = palpate::data::open_session(database, spec);
-        palpate::data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        data::Database database(file, data::Access::write);
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
     }
     const auto refused = [&](const Words& kind) {
-        const Words words =
-            joined({palpate_program(), "run", folder.file("small.toml"), "--participant", "P01",
-                    "--db", file, "--device", "haply:" + link},
-                   kind);
-        const Finished finished = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
-        CHECK(finished.code == 2);
-        return finished.error;
+        const Words words = run_words(study, "P01", file, {"--device", "haply:" + emulator.link});
+        return ended(Process(joined(command_of(words), kind), {"SDL_VIDEODRIVER=dummy"}).wait(), 2)
+            .error;
     };
-    const std::string simulated = refused({});
-    CHECK_THAT(simulated, Has("the session is recorded as simulated", "--other-device"));
+    CHECK_THAT(refused({}), Has("the session is recorded as simulated", "--other-device"));
     CHECK_THAT(refused({"--kind", "pilot"}), Has("cannot go on as pilot"));
     CHECK_THAT(refused({"--kind", "real"}), Has("no real session"));
 }

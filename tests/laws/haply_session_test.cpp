@@ -26,7 +26,7 @@ protocols::Protocol two_trials() {
     return protocol;
 }
 
-struct Kept : protocols::Recorder {
+struct Kept : NoRecorder {
     struct Trial {
         protocols::Condition condition;
         std::vector<engine::TickRecord> ticks;
@@ -40,9 +40,6 @@ struct Kept : protocols::Recorder {
         trials.push_back({.condition = planned.condition, .ticks = {}, .result = {}});
         return static_cast<TrialId>(trials.size()) - 1;
     }
-    void begin_interval(TrialId /*trial*/,
-                        const protocols::Presentation& /*felt*/,
-                        const protocols::SceneConstants& /*scene*/) override {}
     void append(TrialId id, std::span<const engine::TickRecord> ticks) override {
         auto& all = trials[static_cast<std::size_t>(id)].ticks;
         all.insert(all.end(), ticks.begin(), ticks.end());
@@ -105,7 +102,7 @@ int wrong_forces(const protocols::Protocol& protocol, const Kept::Trial& trial) 
 
 TEST_CASE(
     "a session over an emulated board ends with motors at zero, and goes on after an unplugging",
-    "[laws][haply][law]") {
+    "[haply]") {
     EACH(unplugged, false, true);
     const TemporaryFile file("board");
     const protocols::Protocol protocol = two_trials();

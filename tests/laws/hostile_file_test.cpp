@@ -18,12 +18,9 @@ const std::string kAllRight =
 
 }  // namespace
 
-TEST_CASE("nothing is written beside what a file's schema would do", "[store][law]") {
+TEST_CASE("nothing is written beside what a file's schema would do") {
     const LabFiles files;
-    struct Case {
-        std::string sql, name;
-    };
-    for (const Case& at : std::vector<Case>{
+    for (const auto& [sql, name] : std::vector<std::pair<std::string, std::string>>{
              {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
               "started_utc = '2001-01-01T00:00:00.000Z'; END",
               "trigger t"},
@@ -36,7 +33,7 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
              {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
              {"CREATE INDEX by_number ON trial (outcome COLLATE uint)", "index by_number"},
              {kEndless, "table trial"}}) {
-        const std::string file = files.with(at.sql);
+        const std::string file = files.with(sql);
         const std::string before = lab_sqlite(file, ".dump");
         for (const Words& words : {files.run(file, "P02"),
                                    Words{"note", file, "hot", "--participant", "demo"},
@@ -44,14 +41,14 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
                                    {"participant", file, "demo", "--consent", "no"},
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
-            CAPTURE(at.sql, words.front());
-            CHECK_THAT(ran(words, 2).error, Has(at.name, "nothing is written into it"));
+            CAPTURE(sql, words.front());
+            CHECK_THAT(ran(words, 2).error, Has(name, "nothing is written into it"));
         }
         CHECK(lab_sqlite(file, ".dump") == before);
     }
 }
 
-TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[store][law]") {
+TEST_CASE("no view of a file is believed, and none keeps a command for ever") {
     const LabFiles files;
     const auto asked = [](const std::string& file) {
         return std::vector<Words>{{"summary", file},
@@ -119,7 +116,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     CHECK(row.integer(0) == 0);
 }
 
-TEST_CASE("of a file with a damaged page nothing is said but that it is damaged", "[store][law]") {
+TEST_CASE("of a file with a damaged page nothing is said but that it is damaged") {
     const LabFiles files;
     const std::string file = files.with("SELECT 1");
     const std::string page = GENERATE("participant", "response", "study", "session");
@@ -147,7 +144,7 @@ TEST_CASE("of a file with a damaged page nothing is said but that it is damaged"
     ran({"verify", file}, 1);
 }
 
-TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store][merge][law]") {
+TEST_CASE("what a lab added to a file is theirs, and never in the way") {
     const LabFiles files;
     const std::string file = files.with(
         "CREATE TABLE my_notes (trial_id INTEGER, remark TEXT);"
@@ -180,7 +177,7 @@ TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store]
     CHECK(verified(file) == seals);
 }
 
-TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
+TEST_CASE("nobody gives a file a second secret") {
     const LabFiles files;
     const std::string file =
         files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
@@ -209,7 +206,7 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
                    "when handedness or consent was noted"));
 }
 
-TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
+TEST_CASE("a secret that somebody brings along is nobody else's") {
     const LabFiles files;
     const std::string zeros(32, '0');
     const std::string file = files.folder.file("mine.sqlite");
@@ -230,8 +227,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
     }
     SECTION("merged, with a session of theirs") {
         const std::string eve = files.folder.file("eve.sqlite");
-        const Words words = joined(files.run(eve, "EVE"), {"--secret", zeros});
-        ran(words);
+        ran(joined(files.run(eve, "EVE"), {"--secret", zeros}));
         ran({"merge", file, eve});
         CHECK(secret_of("EVE") == zeros + "\n");
     }
@@ -246,34 +242,15 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
     CHECK((whole || ran.error.find("was removed or changed") != std::string::npos));
 }
 
-TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
+TEST_CASE("a query that somebody pasted reads this file, and ends") {
     const LabFiles files;
     const std::string other = files.with("SELECT 1");
-    struct Case {
-        Words words;
-        std::string said;
-    };
-    for (const Case& at : std::vector<Case>{
-             {{"ATTACH '" + other + "' AS b"}, "--attach lets it read other files too"},
-             {{"SELECT fts3_tokenizer('simple', x'4141414141414141')"}, "not authorized"},
-             {{"PRAGMA temp_store_directory = '/tmp'"}, "only reads this file"},
-             {{"SELECT zeroblob(100000000)"}, "too big: no value is longer than 50 MB"},
-             {{"SELECT length(printf('%100000000d', 1))"}, "too big: no value is longer"},
-             {{"SELECT instr(a, substr(a, 1, 4000000) || 'b') FROM (SELECT hex(zeroblob(4000000)) "
-               "AS a)",
-               "--steps", "100000"},
-              "one step of this takes longer than a statement may"},
-             {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r WHERE x < 40) "
-               "SELECT "
-               "zeroblob(40000000 + x) FROM r ORDER BY x % 7"},
-              "sort, group or join less at once"},
-             {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT max(x) FROM "
-               "r",
-               "--steps", "1000000"},
-              "has not ended after 1000000 steps"}}) {
-        const Words words = joined({"sql", files.clean, "-c"}, at.words);
-        CAPTURE(at.words.front());
-        CHECK_THAT(ran(words, 1).error, Has(at.said));
+    for (const auto& row : test_rows("pasted_queries.tsv")) {  // it, how many steps, what is said
+        CAPTURE(row);
+        const Words words{"sql", files.clean, "-c", all_replaced(row.at(0), "{other}", other)};
+        CHECK_THAT(
+            ran(joined(words, row.at(1).empty() ? Words{} : Words{"--steps", row.at(1)}), 1).error,
+            Has(row.at(2)));
     }
     CHECK(palpate_command({"sql", files.clean, "--attach", "--csv", "-c",
                            "ATTACH '" + other + "' AS b; SELECT count(*) FROM b.trial"})
@@ -293,8 +270,7 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
     CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
 }
 
-TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go",
-          "[export][law]") {
+TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go") {
     const LabFiles files;
     const auto rights = [](const std::string& file) {
         struct stat status {};

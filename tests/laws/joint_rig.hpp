@@ -9,10 +9,10 @@
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "tests/laws/joint_tally.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/tally.hpp"
 
 // Board, wire, processes and screen fail together, one to three things at a time, while a hand
 // presses. All of palpate's own is real: tick, chain, driver and, on an open board, its firmware.
@@ -66,6 +66,28 @@ constexpr double kProof = 0.050;
 /// apart.
 constexpr int kAstray = 21;
 
+/// The driver, and what it was given.
+class Watched : public Device {
+public:
+    explicit Watched(BoardDevice& device) : device_(&device) {}
+    [[nodiscard]] Reading read() noexcept override { return device_->read(); }
+    AppliedForce write(const Vec3& force) noexcept override {
+        strongest = std::max(strongest, glm::length(force));
+        last = force;
+        return device_->write(force);
+    }
+    [[nodiscard]] std::string name() const override { return device_->name(); }
+    [[nodiscard]] DeviceTraits traits() const noexcept override { return device_->traits(); }
+    bool prove_zero() noexcept override { return device_->prove_zero(); }
+    void keep_off() noexcept override { device_->keep_off(); }
+
+    double strongest = 0.0;
+    Vec3 last{};
+
+private:
+    BoardDevice* device_;
+};
+
 /// A rig at which a hand presses on a line, and what befalls it.
 class Rig {
 public:
@@ -87,7 +109,7 @@ public:
                                                 std::make_unique<tests::ScriptedGuard>(guard_));
     }
 
-    void run(const std::vector<Event>& events, JointTally& tally) {
+    void run(const std::vector<Event>& events, Tally& tally) {
         protocols::Protocol protocol;
         protocol.apparatus.stiffness = 500.0;
         protocol.apparatus.force_limit = random_->in(0.5, 1.6);
@@ -100,13 +122,10 @@ public:
         TickLoop loop(device, limits);
         loop.begin(scene);
         began_ = next_ = cable_->now_ns();
-        const bool screen = std::any_of(events.begin(), events.end(), [](const Event& event) {
-            return event.cause == Cause::screen_stands;
-        });
-        const bool dead = std::any_of(events.begin(), events.end(), [](const Event& event) {
-            return event.cause == Cause::encoders_die;
-        });
-        const int end = dead ? 640 : screen ? 420 : 200;
+        const auto has = [&](Cause cause) {
+            return std::ranges::count(events, cause, &Event::cause) > 0;
+        };
+        const int end = has(Cause::encoders_die) ? 640 : has(Cause::screen_stands) ? 420 : 200;
         bool pressed = false;
         for (int ms = 0; ms < end; ++ms) {
             for (const Event& event : events) {
@@ -129,7 +148,8 @@ public:
         }
         tally.pressed += pressed ? 1 : 0;
         tally.tripped += loop.trip() != Trip::none ? 1 : 0;
-        tally.over_limit += device.strongest <= limits.max_force * (1.0 + 1e-12) ? 0 : 1;
+        tally.must(device.strongest <= limits.max_force * (1.0 + 1e-12),
+                   "each force within its limit");
     }
 
 private:
@@ -278,7 +298,7 @@ private:
         }
     }
 
-    void tick(TickLoop& loop, const Watched& device, bool sound, JointTally& tally) {
+    void tick(TickLoop& loop, const Watched& device, bool sound, Tally& tally) {
         const std::int64_t stalled =
             last_tick_ns_ == 0 ? 0 : cable_->now_ns() - last_tick_ns_ - 1'000'000;
         last_tick_ns_ = cable_->now_ns();
@@ -298,14 +318,14 @@ private:
             const bool kept = !ticks.empty() && ticks.back().tick == record.tick &&
                               (ticks.back().flags & tick_fault) != 0 &&
                               ticks.back().command == Vec3{};
-            tally.not_recorded += kept ? 0 : 1;
-            tally.false_trips += sound ? 1 : 0;
+            tally.must(kept, "a trip is recorded");
+            tally.must(!sound, "no trip without a fault");
             loop.prove_zero();
         }
         if (loop.trip() != Trip::none) {
             const bool latched = device.last == Vec3{} && record.command == Vec3{} &&
                                  (before == Trip::none || loop.trip() == before);
-            tally.not_latched += latched ? 0 : 1;
+            tally.must(latched, "after a trip no force and no other cause");
         }
         still(device);
     }
@@ -330,15 +350,16 @@ private:
         }
     }
 
-    void judge(JointTally& tally) {
+    void judge(Tally& tally) {
         const Vec3 torque = board_->torque();
         const double max = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
-        tally.over_limit += std::fabs(torque.x) <= max && std::fabs(torque.y) <= max ? 0 : 1;
+        tally.must(std::fabs(torque.x) <= max && std::fabs(torque.y) <= max,
+                   "each torque within its limit");
         const bool due = now() > std::max(std::min(deadline_, host_deadline_), excused_);
         // Half a packet makes a Haply board give any torque until the next one, also after a trip.
         astray_ += due && torque != Vec3{} ? 1 : 0;
         const int may = cuts_ > 0 ? kAstray * cuts_ + alone_ : 0;
-        tally.not_zero_in_time += astray_ > may ? 1 : 0;
+        tally.must(astray_ <= may, "no torque when it is due to be off");
     }
 
     bool open_;

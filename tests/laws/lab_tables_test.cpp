@@ -1,7 +1,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/lab_files.hpp"
 
-TEST_CASE("no table, order or reference of a lab's is in the way of a command", "[store][law]") {
+TEST_CASE("no table, order or reference of a lab's is in the way of a command") {
     const LabFiles files;
     const std::string page = files.folder.file("r.html");
     const std::string shared = files.folder.file("shared");
@@ -35,22 +35,19 @@ TEST_CASE("no table, order or reference of a lab's is in the way of a command", 
         }
     }
     // What cannot be done is said by name, and nothing is half done.
-    struct Case {
-        std::string sql, said;
-    };
-    for (const Case& at :
-         std::vector<Case>{{"CREATE TABLE mine (n TEXT COLLATE uint UNIQUE)",
-                            "table mine is ordered by a rule of another program"},
-                           {"CREATE TABLE mine (trial_id INTEGER REFERENCES trial);"
-                            "INSERT INTO mine SELECT trial_id FROM trial",
-                            "a table that was added refers to rows that would change (mine)"}}) {
-        const std::string file = files.with(at.sql);
+    for (const auto& [sql, said] : std::vector<std::pair<std::string, std::string>>{
+             {"CREATE TABLE mine (n TEXT COLLATE uint UNIQUE)",
+              "table mine is ordered by a rule of another program"},
+             {"CREATE TABLE mine (trial_id INTEGER REFERENCES trial);"
+              "INSERT INTO mine SELECT trial_id FROM trial",
+              "a table that was added refers to rows that would change (mine)"}}) {
+        const std::string file = files.with(sql);
         const std::string before = lab_sqlite(file, ".dump");
         const Finished done =
             palpate_command({"participant", file, "demo", "--destroy", "everything", "--yes"});
-        CAPTURE(at.sql, done.out, done.error);
+        CAPTURE(sql, done.out, done.error);
         CHECK(done.code != 0);
-        CHECK_THAT(done.error, Has(at.said));
+        CHECK_THAT(done.error, Has(said));
         CHECK(lab_sqlite(file, ".dump") == before);
     }
 }

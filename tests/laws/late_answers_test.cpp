@@ -1,6 +1,6 @@
+#include "tests/support/free_board.hpp"
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/rig_file.hpp"
 
 // What befalls a board and its wire while a session runs, done to the shipped program: an emulator
 // that is typed to, a window, and the file.
@@ -12,48 +12,34 @@ class TypedRig {
 public:
     /// @param open  an open board, in a simulated session of any force instead of a pilot's
     explicit TypedRig(bool open)
-        : board_(folder_,
-                 "keys",
-                 std::string("haply-emulator ") + (open ? "--open " : "") + "--link '" +
-                     folder_.file("board") + "'") {
-        type("delay 0");
-        REQUIRE(eventually([&] { return std::filesystem::exists(folder_.file("board")); }));
-        std::ofstream(folder_.file("p.toml"))
-            << replaced(pressed_study(), "dead_man = true", "dead_man = false");
-        Words words = run_words(
-            folder_.file("p.toml"), "P1", file(),
-            {"--device", (open ? "board:" : "haply:") + folder_.file("board"), "--windowed"});
-        if (!open) {
-            words.insert(words.end(), {"--kind", "pilot"});
-        }
-        session_ = std::make_unique<WindowSession>(words);
-        session_->go_through({"welcome", "ready"});
+        : board_(folder_, open ? "--open" : ""),
+          session_(joined(
+              run_words(write(folder_.file("p.toml"),
+                              replaced(pressed_study(), "dead_man = true", "dead_man = false")),
+                        "P1",
+                        file(),
+                        {"--device", board_.word(), "--windowed"}),
+              open ? Words{} : Words{"--kind", "pilot"})) {
+        session_.go_through({"welcome", "ready"});
     }
 
     void type(const std::string& line) { board_.type(line); }
-    [[nodiscard]] WindowSession& session() { return *session_; }
+    [[nodiscard]] WindowSession& session() { return session_; }
     [[nodiscard]] std::string file() const { return folder_.file("d.sqlite"); }
     [[nodiscard]] std::string cause() {
-        return session_->ask("SELECT fault_cause FROM trial ORDER BY trial_id DESC LIMIT 1");
+        return session_.ask("SELECT fault_cause FROM trial ORDER BY trial_id DESC LIMIT 1");
     }
 
     /// Goes on, whatever a busy machine ends, until the motors give something.
     [[nodiscard]] bool feels() {
-        return session_->goes_on_until(
-            [&] { return session_->screen_name() == "explore" && !off(); });
+        return session_.goes_on_until(
+            [&] { return session_.screen_name() == "explore" && !off(); });
     }
     /// The stronger motor's torque now, N m, as the emulator says.
     [[nodiscard]] double torque() {
-        const std::size_t before = board_.program().out().size();
-        type("motors");
-        std::string said;
-        CHECK(eventually([&] {
-            said = board_.program().out().substr(before);
-            return said.find("mN m\n") != std::string::npos;
-        }));
         double one = 0.0;
         double two = 0.0;
-        REQUIRE(std::sscanf(said.c_str() + said.find("give "), "give %lf, %lf", &one, &two) == 2);
+        REQUIRE(std::sscanf(board_.motors().c_str(), "%lf, %lf", &one, &two) == 2);
         return 1e-3 * std::fmax(std::fabs(one), std::fabs(two));
     }
     [[nodiscard]] bool off() { return torque() == 0.0; }
@@ -69,15 +55,15 @@ public:
 
 private:
     TemporaryFolder folder_;
-    TypedTo board_;
-    std::unique_ptr<WindowSession> session_;
+    TypedBoard board_;
+    WindowSession session_;
 };
 
 }  // namespace
 
 TEST_CASE(
     "a session whose answers become late ends the force, and waits until they are quick again",
-    "[window][haply][law]") {
+    "[window][haply]") {
     TypedRig rig(false);
     WindowSession& session = rig.session();
     session.wait_for_screen("explore");
@@ -98,7 +84,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a packet read as a reset, another program's torques and a turned angle end at zero",
-          "[window][haply][law]") {
+          "[window][haply]") {
     TypedRig rig(false);
     // The motors keep what they had, and no longer know their address; torques that nobody here
     // asked for; an angle that is no whole count.
@@ -119,17 +105,13 @@ TEST_CASE("a packet read as a reset, another program's torques and a turned angl
 }
 
 TEST_CASE("encoders that all stand still under a force end it, and a stopped program's ends, too",
-          "[window][open][law]") {
+          "[window][open]") {
     TypedRig rig(true);
-    bool strong = false;
-    for (int tries = 0; tries < 5 && !strong;
-         ++tries) {  // more than encoders may stand still under
+    tried(5, [&] {  // more than encoders may stand still under
         REQUIRE(rig.feels());
-        strong = eventually([&] {
-                     return rig.torque() > 0.05 || rig.session().screen_name() != "explore";
-                 }) &&
-                 rig.torque() > 0.05;
-    }
+        eventually([&] { return rig.torque() > 0.05 || rig.session().screen_name() != "explore"; });
+        return rig.torque() > 0.05;
+    });
     rig.type("unplug 1");
     rig.type("unplug 2");
     rig.session().wait_for_screen("trouble");

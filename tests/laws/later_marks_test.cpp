@@ -1,4 +1,4 @@
-#include "data/store/database.hpp"
+#include "tests/support/lab_files.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 
@@ -6,16 +6,16 @@ namespace {
 
 /// "... Seal HEAD: note it ..."
 std::string head_in(const std::string& text) {
-    const std::size_t at = text.rfind("Seal ");
-    REQUIRE(at + 5 + 64 <= text.size());
-    return text.substr(at + 5, 64);
+    const std::string head =
+        behind(text.substr(std::min(text.rfind("Seal "), text.size())), "Seal ");
+    REQUIRE(head.size() >= 64);
+    return head.substr(0, 64);
 }
 
 std::string verified_head(const std::string& file) {
-    const Finished verified = ran({"verify", file});
-    const std::size_t at = verified.out.find("  seal     ");
-    REQUIRE(at != std::string::npos);
-    return verified.out.substr(at + 11, 64);
+    const std::string head = behind(ran({"verify", file}).out, "  seal     ");
+    REQUIRE(head.size() >= 64);
+    return head.substr(0, 64);
 }
 
 std::string said(const Words& words) {
@@ -28,8 +28,7 @@ public:
     MarkResult() {
         ran({"demo", "--headless", "--db", before});
         heads.push_back(verified_head(before));
-        data::Database(before, data::Access::write).checkpoint();
-        std::filesystem::copy_file(before, after);
+        copied(before, after);
         for (const Words& words :
              {Words{"note", after, "hand rested", "--participant", "demo"},
               {"mark", after, "2", "--invalid", "bell rang", "--operator", "Ada"},
@@ -40,13 +39,6 @@ public:
         const std::string noted = head_in(said({"participant", after, "demo", "--handedness", "80",
                                                 "--consent", "yes", "--operator", "Ada"}));
         CHECK(noted == verified_head(after));
-        data::Database(after, data::Access::write).checkpoint();
-    }
-
-    [[nodiscard]] std::string copy(const std::string& name) const {
-        const std::string file = folder.file(name);
-        std::filesystem::copy_file(after, file, std::filesystem::copy_options::overwrite_existing);
-        return file;
     }
 
     TemporaryFolder folder;
@@ -57,23 +49,21 @@ public:
 
 /// As if the session had been stopped after seven trials.
 void stop_after_seven(const std::string& file) {
-    data::Database database(file, data::Access::write);
-    database.execute("PRAGMA foreign_keys = OFF");
-    for (const std::string table :
-         {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
-        database.execute(("DELETE FROM " + table + " WHERE trial_id > 7").c_str());
+    std::string sql = "PRAGMA foreign_keys = OFF;";
+    for (const char* table : {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
+        sql += fmt::format("DELETE FROM {} WHERE trial_id > 7;", table);
     }
-    database.execute(
-        "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id = "
-        "7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
-        "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal FROM "
-        "trial WHERE trial_id = 7)");
+    sql_edit(file,
+             sql +
+                 "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id "
+                 "= 7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
+                 "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal "
+                 "FROM trial WHERE trial_id = 7)");
 }
 
 }  // namespace
 
-TEST_CASE("marks and notes made later are under the seal, with operator and time",
-          "[verify][law]") {
+TEST_CASE("marks and notes made later are under the seal, with operator and time") {
     const MarkResult study;
     const std::set<std::string> different(study.heads.begin(), study.heads.end());
     CHECK(different.size() == 5);
@@ -88,19 +78,14 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
           "participant,consent yes,Ada,\n");
     CHECK_THAT(said({"verify", study.after, "--json"}), Has(head));
     for (const auto& edit : test_rows("edits/mark_edits.tsv")) {
-        const std::string file = study.copy("edited.sqlite");
-        {
-            data::Database database(file, data::Access::write);
-            database.execute(edit.at(0).c_str());
-            database.checkpoint();
-        }
+        const std::string file = copied(study.after, study.folder.file("edited.sqlite"));
+        sql_edit(file, edit.at(0));
         CAPTURE(edit);
         CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.at(1)));
     }
 }
 
-TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict",
-          "[merge][law]") {
+TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict") {
     const MarkResult study;
     const std::string head = verified_head(study.after);
     for (const bool first : {false, true}) {
@@ -113,14 +98,13 @@ TEST_CASE("a merge takes the file with the later marks, and calls two that diffe
         CHECK(sql_csv(all, "SELECT count(*), count(operator), max(at_utc) FROM event") ==
               sql_csv(study.after, "SELECT count(*), count(operator), max(at_utc) FROM event"));
     }
-    const std::string other = study.folder.file("other.sqlite");
-    std::filesystem::copy_file(study.before, other);
+    const std::string other = copied(study.before, study.folder.file("other.sqlite"));
     said({"note", other, "another note", "--participant", "demo"});
     const Finished merged = ran({"merge", study.folder.file("3.sqlite"), study.after, other}, 1);
     CHECK_THAT(merged.out + merged.error, Has("what was recorded differs"));
 }
 
-TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resume]") {
+TEST_CASE("a session that goes on after a mark keeps one chain") {
     const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--handedness", "80"});
     const Words run = run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
@@ -137,7 +121,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     CHECK(sql_csv(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
 }
 
-TEST_CASE("a mark taken back counts again, as if it had never been made", "[verify][merge][law]") {
+TEST_CASE("a mark taken back counts again, as if it had never been made") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string marked = folder.file("marked.sqlite");
@@ -149,8 +133,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     said({"mark", file, "3", "--invalid", "bell"});
     CHECK(sql_csv(file, "SELECT counts, exclusion FROM analysis_trial WHERE trial_id = 3") ==
           "counts,exclusion\n0,marked\n");
-    data::Database(file, data::Access::write).checkpoint();
-    std::filesystem::copy_file(file, marked);
+    copied(file, marked);
 
     const std::string head =
         head_in(said({"mark", file, "3", "--undo", "it was trial 4", "--operator", "Ada"}));
@@ -166,10 +149,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     const std::string all = folder.file("all.sqlite");
     said({"merge", all, file, marked});
     CHECK(verified_head(all) == head);
-    {
-        data::Database edited(marked, data::Access::write);
-        edited.execute("UPDATE trial SET invalid_reason = NULL WHERE trial_id = 3");
-    }
+    sql_edit(marked, "UPDATE trial SET invalid_reason = NULL WHERE trial_id = 3");
     ran({"verify", marked}, 1);
 
     // It is not run again; and once another answer stands in its place, a mark stays.
@@ -184,7 +164,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     verified_head(file);
 }
 
-TEST_CASE("consent that was edited together with its time is said by verify", "[verify][law]") {
+TEST_CASE("consent that was edited together with its time is said by verify") {
     const TemporaryFile file("a.sqlite");
     said({"participant", file, "P1", "--new", "--consent", "yes", "--handedness", "80"});
     said(run_words(kFourTrials, "P1", file, {"--headless"}));
@@ -198,26 +178,16 @@ TEST_CASE("consent that was edited together with its time is said by verify", "[
                    "missing  participant P1 handedness: 8, and not 80, as an event"));
 }
 
-TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {
-    const TemporaryFolder folder;
-    const std::string clean = folder.file("clean.sqlite");
-    ran({"demo", "--headless", "--db", clean});
-    data::Database(clean, data::Access::write).checkpoint();
+TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers") {
+    const LabFiles files;
     for (const auto& edit : test_rows("edits/schema_edits.tsv")) {
-        const std::string file = folder.file("edited.sqlite");
-        std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
-        // By another program: nothing of palpate takes part.
-        const Finished edited =
-            Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.at(0)}).wait();
-        CAPTURE(edit, edited.out, edited.error);
-        REQUIRE(edited.code == 0);
-        CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.at(1)));
+        CAPTURE(edit);
+        CHECK_THAT(ran({"verify", files.with(edit.at(0))}, 1).out, Has(edit.at(1)));
     }
 }
 
-TEST_CASE("sessions become another's all or none, whoever reads what is said", "[repair][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+TEST_CASE("sessions become another's all or none, whoever reads what is said") {
+    const TemporaryFile file("a.sqlite");
     for (const char* number : {"1", "2", "3"}) {
         ran({"run", kFourTrials, "--participant", "P1", "--session", number, "--db", file,
              "--headless"});

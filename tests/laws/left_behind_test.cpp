@@ -10,9 +10,6 @@ constexpr const char* kMark = "PALPATE_TEST_MARK";
 
 /// Command lines of the processes, this one aside, whose environment holds `mark`.
 Words marked(const std::string& mark) {
-    const auto read = [](const std::filesystem::path& file) {
-        return slurp(file);
-    };
     Words found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
         const std::string id = entry.path().filename().string();
@@ -20,8 +17,8 @@ Words marked(const std::string& mark) {
             id == fmt::format("{}", getpid())) {
             continue;
         }
-        if (read(entry.path() / "environ").find(mark) != std::string::npos) {
-            found.push_back(read(entry.path() / "cmdline"));
+        if (slurp(entry.path() / "environ").find(mark) != std::string::npos) {
+            found.push_back(slurp(entry.path() / "cmdline"));
         }
     }
     return found;
@@ -29,7 +26,7 @@ Words marked(const std::string& mark) {
 
 }  // namespace
 
-TEST_CASE("a test that is killed leaves no process behind", "[window][law]") {
+TEST_CASE("a test that is killed leaves no process behind", "[window]") {
     const TemporaryFolder folder;
     const std::string mark = fmt::format("{}={:08x}", kMark, std::random_device{}());
     // The test program itself, in a session in a window with board, guard and screen.

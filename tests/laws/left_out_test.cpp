@@ -12,16 +12,12 @@ namespace {
 /// F, who is real. Of the second X and Y.
 std::string mixed_study(const TemporaryFolder& folder) {
     const std::string text = four_trials() + "\n[exclusion]\nsessions_finished = true\n";
-    std::string other = replaced(text, "mu_d = 0.5", "mu_d = 0.1");
-    std::ofstream(folder.file("one.toml")) << text;
-    std::ofstream(folder.file("two.toml")) << other;
+    write(folder.file("one.toml"), text);
+    write(folder.file("two.toml"), replaced(text, "mu_d = 0.5", "mu_d = 0.1"));
     const std::string file = folder.file("s.sqlite");
     const auto run = [&](const char* protocol, const std::string& who) {
-        Words words = run_words(folder.file(protocol), who, file, {"--headless"});
-        if (who == "X") {
-            words.emplace_back("--new-version");
-        }
-        ran(words);
+        ran(joined(run_words(folder.file(protocol), who, file, {"--headless"}),
+                   who == "X" ? Words{"--new-version"} : Words{}));
     };
     for (const char* who : {"A", "B", "C", "D", "E", "F"}) {
         run("one.toml", who);
@@ -59,25 +55,12 @@ std::set<std::string> account_in(const std::string& text) {
 
 /// What a page says for programs.
 Json page_account(const std::string& page) {
-    const std::string begin = "data-left-out=\"";
-    const std::size_t at = page.find(begin);
-    REQUIRE(at != std::string::npos);
-    std::string text =
-        page.substr(at + begin.size(), page.find('"', at + begin.size()) - at - begin.size());
-    for (const auto& [written, meant] :
-         {std::pair{"&quot;", "\""}, std::pair{"&#39;", "'"}, std::pair{"&amp;", "&"}}) {
-        for (std::size_t found = text.find(written); found != std::string::npos;
-             found = text.find(written, found + 1)) {
-            text.replace(found, std::string(written).size(), meant);
-        }
-    }
-    return Json::parse(text);
+    return Json::parse(unescaped(behind(page, "data-left-out=\"", "\"")));
 }
 
 }  // namespace
 
-TEST_CASE("every command says alike who and what was left out, in words and in JSON",
-          "[left-out][law]") {
+TEST_CASE("every command says alike who and what was left out, in words and in JSON") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     sql_edit(file,
@@ -94,8 +77,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         "withdrawn sessions, 1 marked, 4 of who is left out by rule; analysed: 7"};
     const Words of{file, "--kind", "simulated", "--study", name};
     const auto with = [&](const char* command, Words more = {}) {
-        const Words words = joined(joined({command}, of), more);
-        return ran(words);
+        return ran(joined(joined({command}, of), more));
     };
     const Words quick{"--permutations", "0", "--simulations", "0"};
     const Finished stats = with("stats", quick);
@@ -118,17 +100,14 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK_THAT(stats.out,
                !Has("Nothing is excluded") && Has("Exclusions applied: 2 people, 7 answers"));
     // Of a whole file that account is among the others.
-    const Finished exported =
-        ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});
     const Finished asked =
         ran({"sql", file, "--versions", "apart", "--csv", "-c", "SELECT 1 AS one"});
     CHECK(asked.out == "one\n1\n");
-    for (const std::string& text : {ran({"summary", file}).out, exported.out, asked.error}) {
+    for (const std::string& text :
+         {ran({"summary", file}).out, asked.error,
+          ran({"export", file, "--kind", "simulated", "-o", folder.file("out")}).out}) {
         CAPTURE(text);
-        const std::set<std::string> all = account_in(text);
-        for (const std::string& line : wanted) {
-            CHECK(all.contains(line));
-        }
+        CHECK(std::ranges::includes(account_in(text), wanted));
     }
     const auto json = [&](const char* command, Words more) {
         more.emplace_back("--json");
@@ -194,8 +173,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         ran({"export", file, "--kind", "simulated", "--as", format, "-o", out});
         const std::string text = slurp(out + '/' + readme);
         CAPTURE(format, text);
-        const std::set<std::string> all = account_in(text);
-        CHECK(std::ranges::includes(all, wanted));
+        CHECK(std::ranges::includes(account_in(text), wanted));
         CHECK_THAT(text, Has("sessions_finished: 1 is not") && !Has("asleep"));
     }
     ran({"analysis", "init", folder.file("csv")});
@@ -205,8 +183,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
          {folder.file("csv/analysis.R"), folder.file("csv/analysis.py"), folder.file("s.R")}) {
         const std::string text = slurp(script);
         CAPTURE(script, text);
-        const std::set<std::string> all = account_in(text);
-        CHECK(std::ranges::includes(all, wanted));
+        CHECK(std::ranges::includes(account_in(text), wanted));
         CHECK_THAT(text, Has("\n#     people: ") && !Has("asleep"));
     }
     // The audit's and the fit's people are those of stats; who refuses has no page of a trial.
@@ -233,13 +210,12 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     // The command that lists what is invalid gives as many as are said: none of who refuses.
     ran({"mark", file, refused, "--invalid", "moved"});
     const std::string summary = ran({"summary", file}).out;
-    const std::string said = "1 answered trial is invalid and left out:\n    palpate ";
-    REQUIRE_THAT(summary, Has(said));
-    const std::size_t from = summary.find(said) + said.size();
-    const std::string command =
-        palpate_program() + ' ' + summary.substr(from, summary.find('\n', from) - from) + " --csv";
-    const Finished listed = Process({"sh", "-c", command}).wait();
-    CAPTURE(command, listed.out, listed.error);
+    const std::string said =
+        behind(summary, "1 answered trial is invalid and left out:\n    palpate ");
+    CAPTURE(summary);
+    REQUIRE_FALSE(said.empty());
+    const Finished listed =
+        ended(Process({"sh", "-c", palpate_program() + ' ' + said + " --csv"}).wait());
     CHECK(std::ranges::count(listed.out, '\n') == 2);
     // Where nobody is left it is said why.
     sql_edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
@@ -252,12 +228,10 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK(!std::filesystem::exists(folder.file("f.html")));
 }
 
-TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order",
-          "[left-out][report]") {
+TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
-    std::ofstream(folder.file("p.toml"))
-        << four_trials() + "\n[exclusion]\nsessions_finished = true\n";
+    write(folder.file("p.toml"), four_trials() + "\n[exclusion]\nsessions_finished = true\n");
     for (const char* who : {"A", "B", "C", "D", "E"}) {
         ran(run_words(folder.file("p.toml"), who, file, {"--headless"}));
     }
@@ -275,12 +249,10 @@ TEST_CASE("a study whose rules leave out everybody is reported, and names nobody
                Has("Everybody is left out by the protocol&#39;s rules", account));
 }
 
-TEST_CASE("a study of which no curve can be fitted has its report all the same",
-          "[left-out][fit][report]") {
+TEST_CASE("a study of which no curve can be fitted has its report all the same") {
     const TemporaryFolder folder;
-    write(folder.file("p.toml"), test_text("one_level.toml"));
-    const std::string file = folder.file("s.sqlite");
-    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
+    const std::string file = simulated_study(folder, test_text("one_level.toml"),
+                                             {"--participants", "2", "--no-traces"});
     check_end(palpate_command({"fit", file, "--kind", "simulated"}), 2,
               Has("there is one stimulus with answers", "left out: nobody"));
     CHECK_THAT(page_of(file, {"--kind", "simulated"}),
@@ -289,29 +261,24 @@ TEST_CASE("a study of which no curve can be fitted has its report all the same",
                    HasNone("Adaptive tracks", "A rule chose"));
 }
 
-TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered",
-          "[fit][report][law]") {
+TEST_CASE("answers of more than two kinds are no psychometric function, whatever was answered") {
     const TemporaryFolder folder;
-    write(
-        folder.file("p.toml"),
+    const std::string file = simulated_study(
+        folder,
         edited(test_text("one_level.toml"),
                {{"kind = \"two_interval\"", "kind = \"rating\"\nquestion = \"Round?\"\nlevels = 3"},
-                {"stimuli = [7]", "stimuli = [0, 3, 7]\noutcomes = 3"}}));
-    const std::string file = folder.file("s.sqlite");
-    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--no-traces", "--db", file});
+                {"stimuli = [7]", "stimuli = [0, 3, 7]\noutcomes = 3"}}),
+        {"--participants", "2", "--no-traces"});
     sql_edit(file,
              "UPDATE adaptive_step SET rule_outcome = rule_outcome > 0");  // nobody gave the last
-    const Finished fit = palpate_command({"fit", file, "--kind", "simulated"});
-    CHECK(fit.code == 2);
-    CHECK_THAT(fit.error, Has("has no answer to fit"));
+    refused({"fit", file, "--kind", "simulated"}, "has no answer to fit");
     ran({"export", file, "--kind", "simulated", "--format", "quickpsy", "-o", folder.file("q")}, 2);
     CHECK_THAT(ran({"summary", file}).out, Has("more than two answers"));
     CHECK_THAT(page_of(file, {"--kind", "simulated"}),
                Has("id=\"tracks\"") && !Has("share of yes"));
 }
 
-TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
-          "[left-out][sql][law]") {
+TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     const std::string who =
@@ -348,8 +315,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     CHECK(places.size() > 20);
 }
 
-TEST_CASE("a file is read where no disk has room for an index of its log, or it is said",
-          "[left-out][disk]") {
+TEST_CASE("a file is read where no disk has room for an index of its log, or it is said") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P", file, {"--headless"}));

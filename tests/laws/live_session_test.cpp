@@ -17,7 +17,7 @@
 // and its shared memory. Nothing is asserted about time.
 
 TEST_CASE("what is asked of a running session is done by its own events, and the file says so",
-          "[live][law]") {
+          "[live]") {
     ShownSession session;
     CHECK(session.ask({{"do", "go on"}})["ok"] == false);
 
@@ -59,7 +59,7 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
 }
 
 TEST_CASE("a mark is of the trial that is meant, and a note of the one that the file has",
-          "[live][law]") {
+          "[live]") {
     ShownSession session(kFourTrials, {"1"});
     CHECK(session.state()["markable"].is_null());
     REQUIRE(session.comes_to("explore"));
@@ -84,7 +84,7 @@ TEST_CASE("a mark is of the trial that is meant, and a note of the one that the 
 }
 
 TEST_CASE("what was noted while something is felt is kept by a file that is killed at once",
-          "[live][law]") {
+          "[live]") {
     ShownSession session(kFourTrials, {"0.5"});
     REQUIRE(session.comes_to("explore"));
     CHECK(session.ask({{"do", "note"}, {"text", "the chair creaks"}})["ok"] == true);
@@ -98,7 +98,7 @@ TEST_CASE("what was noted while something is felt is kept by a file that is kill
     CHECK(session.kept(events_of("reveal")) == "1");
 }
 
-TEST_CASE("two who ask at once are both answered, and done once", "[live][law]") {
+TEST_CASE("two who ask at once are both answered, and done once", "[live]") {
     ShownSession session;
     const auto both = [&](const std::string& what) {
         const Descriptor one = ui::connect_to(session.shown.name);
@@ -123,7 +123,7 @@ TEST_CASE("two who ask at once are both answered, and done once", "[live][law]")
 }
 
 TEST_CASE("nothing of what is felt or answered leaves a session before it was revealed",
-          "[live][safety][law]") {
+          "[live][safety]") {
     ShownSession session(kFourTrials, {"1"});
     std::set<std::string> said;
     std::uint64_t seen = 0;
@@ -171,7 +171,7 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
     ran({"verify", session.file});
 }
 
-TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[live][law]") {
+TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[live]") {
     const TemporaryFile file("never.toml");
     write(file,
           replaced(four_trials(), "participants = 1", "participants = 1\nreveal = \"never\""));
@@ -185,7 +185,7 @@ TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[
 }
 
 TEST_CASE("nobody obeys what is no order, and nobody writes into what a session shows",
-          "[live][safety][law]") {
+          "[live][safety]") {
     ShownSession session;
     Random random(32);
     const Words pieces{"{",        "}",        "\"do\"", ":",        "\"stop",       "\"end\"",
@@ -231,7 +231,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
 }
 
 TEST_CASE("however many called a session that hangs, palpate stop is obeyed when it goes on",
-          "[live][safety][law]") {
+          "[live][safety]") {
     ShownSession session;
     const auto others_call = [&] {
         for (int i = 0; i < 40; ++i) {
@@ -246,8 +246,7 @@ TEST_CASE("however many called a session that hangs, palpate stop is obeyed when
     CHECK(session.keeps(events_of("stop"), "1"));
 }
 
-TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goes on",
-          "[live][law]") {
+TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goes on", "[live]") {
     ShownSession session;
     session.program.signal(SIGSTOP);
     const Descriptor waits = ui::connect_to(session.shown.name);
@@ -266,7 +265,7 @@ TEST_CASE("who asked a session that hung, and hung up, is not obeyed when it goe
     CHECK(session.kept("SELECT text FROM event WHERE event_kind = 'note'") == "waits");
 }
 
-TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][law]") {
+TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety]") {
     const TemporaryFile file("d.sqlite");
     const auto said = [&](const char* who) {
         return palpate_command(run_words(kFourTrials, who, file, {"--headless"})).error;
@@ -282,7 +281,7 @@ TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][la
 }
 
 TEST_CASE("palpate stop says that a force is off only of whose motors are proved to be off",
-          "[live][safety][law]") {
+          "[live][safety]") {
     const TemporaryFile file("d.sqlite");
     static_cast<void>(data::Database(file, data::Access::write));
     const auto runs = [&](const char* label, bool doubts) {
@@ -308,7 +307,7 @@ TEST_CASE("palpate stop says that a force is off only of whose motors are proved
 }
 
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",
-          "[live][safety][law]") {
+          "[live][safety]") {
     ShownSession session;
     const std::string name = session.shown.name;
     const auto answer_to = [&](const std::string& line, int right) {

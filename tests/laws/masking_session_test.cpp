@@ -1,5 +1,3 @@
-#include "data/store/database.hpp"
-#include "data/verify/verify.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 #include "tests/support/window_session.hpp"
@@ -24,18 +22,17 @@ Words words(const TemporaryFolder& folder, const std::string& kind) {
 
 }  // namespace
 
-TEST_CASE("a real session that asks for noise begins no trial where there is no sound device",
-          "[sound][law]") {
+TEST_CASE("a real session that asks for noise begins no trial where there is no sound device") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
-    const Words command = command_of(words(folder, "real"));
-    Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
-    const Finished end = program.wait(std::chrono::seconds(60));
-    check_end(end, 1, Has("masking noise cannot be played", "--no-sound"));
+    Process program(command_of(words(folder, "real")),
+                    {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
+    check_end(program.wait(std::chrono::seconds(60)), 1,
+              Has("masking noise cannot be played", "--no-sound"));
     CHECK(sql_lines(folder.file("d.sqlite"), "SELECT count(*) FROM session") == "0\n");
 }
 
-TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
+TEST_CASE("check says how loud the noise is and what the chosen language lacks") {
     const TemporaryFile file("p.toml");
     write_study(file);
     CHECK_THAT(ran({"check", file}).out,
@@ -43,26 +40,19 @@ TEST_CASE("check says how loud the noise is and what the chosen language lacks",
                    "[instructions.en] has no ready, [instructions.tr] has"));
 }
 
-TEST_CASE("in a real window a trial with noise is recorded, answered and verified",
-          "[sound][window][law]") {
+TEST_CASE("in a real window a trial with noise is recorded, answered and verified", "[window]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     const bool declined = GENERATE(false, true);
-    Words all = words(folder, "pilot");
-    if (declined) {
-        all.emplace_back("--no-sound");
-    }
-    WindowSession session(all, {"SDL_AUDIODRIVER=dummy"}, {});
+    WindowSession session(joined(words(folder, "pilot"), declined ? Words{"--no-sound"} : Words{}),
+                          {"SDL_AUDIODRIVER=dummy"}, {});
     session.go_through({"welcome", "ready", "explore"});
     session.press_at("question", "1");
     session.wait_until("SELECT count(*) FROM response", "1");
     session.program().signal(SIGINT);
-    const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 3);
+    ended(session.finish(), 3);
     CHECK_THAT(
         sql_lines(folder.file("d.sqlite"), "SELECT text FROM event WHERE event_kind = 'masking'"),
         Has(declined ? "none: --no-sound was given" : "pink noise at -40 dB re full scale"));
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    CHECK(data::verify(database).count(data::FindingKind::differs) == 0);
+    ran({"verify", folder.file("d.sqlite")});
 }

@@ -1,4 +1,3 @@
-#include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/sql_first.hpp"
@@ -9,8 +8,7 @@ const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
 
 }  // namespace
 
-TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit",
-          "[free_forms][study][law]") {
+TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit") {
     const TemporaryFile file("d.sqlite");
     ran(run_words(kForms, "P1", file, {"--headless"}));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
@@ -33,8 +31,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
 }
 
-TEST_CASE("whoever is counted, the order of friction blocks is verified as it was",
-          "[friction_blocks][law]") {
+TEST_CASE("whoever is counted, the order of friction blocks is verified as it was") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string study = folder.file("p.toml");
@@ -44,8 +41,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
         ran(run_words(study, code, file, {"--headless"}));
         // As if people had felt it: only they count for the next one's order.
-        data::Database database(file, data::Access::write);
-        database.run("UPDATE session SET session_kind = 'real'");
+        sql_edit(file, "UPDATE session SET session_kind = 'real'");
     }
     CHECK(sql_first(
               file,
@@ -56,42 +52,34 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     CHECK_THAT(verified.out, !Has("plan_sha256"));
 }
 
-TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
+TEST_CASE("another outline under the same name is found by its hash") {
     const TemporaryFile file("d.sqlite");
     ran(run_words(kForms, "P1", file, {"--headless"}));
-    {
-        data::Database database(file, data::Access::write);
-        database.run(
-            "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
-    }
+    sql_edit(file, "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
     CHECK_THAT(ran({"verify", file}, 1).out, Has("dome"));
 }
 
-TEST_CASE("sequence and check show friction blocks and free forms",
-          "[free_forms][friction_blocks]") {
+TEST_CASE("sequence and check show friction blocks and free forms") {
     const TemporaryFile sheet("o.svg");
     CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
                Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
-    const std::string drawn = slurp(sheet);
-    CHECK_THAT(drawn, Has("free form, 80", "dome"));
-    const Finished sequence = ran({"sequence", kForms, "--participant", "P1"});
-    CHECK_THAT(sequence.out, Has("friction blocks: row", "of 2 of the"));
+    CHECK_THAT(slurp(sheet), Has("free form, 80", "dome"));
+    CHECK_THAT(ran({"sequence", kForms, "--participant", "P1"}).out,
+               Has("friction blocks: row", "of 2 of the"));
     CHECK_THAT(palpate_command({"sequence", kForms, "--participant", "P1", "--csv"}).out,
                Has(",dome,,o"));
     CHECK_THAT(palpate_command({"new", "--keys"}).out,
                Has("[[object.segment]]", "five_shapes", "friction_blocks", "catch_correct_min"));
 }
 
-TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded",
-          "[handedness]") {
+TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran({"participant", file, "L1", "--new", "--handedness=-60"});
-    const Finished run = Process({palpate_program(), "run", "shape_friction", "--participant", "L1",
-                                  "--db", file, "--device", "haply:/nonexistent", "--calibration",
-                                  commissioned_rig(folder, "haply:/nonexistent")},
-                                 {"SDL_VIDEODRIVER=dummy"})
-                             .wait();
-    check_end(run, 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
+    const Words run = run_words("shape_friction", "L1", file,
+                                {"--device", "haply:/nonexistent", "--calibration",
+                                 commissioned_rig(folder, "haply:/nonexistent")});
+    check_end(Process(command_of(run), {"SDL_VIDEODRIVER=dummy"}).wait(), 2,
+              Has("asks for handedness \"right\"", "a score of -60", "pilot"));
     CHECK(sql_first(file, "SELECT count(*) FROM session") == "0");
 }

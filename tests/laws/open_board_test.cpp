@@ -1,4 +1,5 @@
 #include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
 #include "tests/support/pressed_desk.hpp"
 
 // The shipped program on an open board: its firmware behind a pseudo-terminal.
@@ -6,7 +7,7 @@
 TEST_CASE(
     "an emergency stop in a trial is kept with its cause, and the session goes on once it is "
     "released",
-    "[window][open][safety][law]") {
+    "[window][open][safety]") {
     PressedDesk desk(PressingHand::Does::presses, {}, true);
     REQUIRE(desk.feel());
     desk.board.press_stop(true);
@@ -30,7 +31,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a cable that is pulled with the force on ends it, and the session waits for the board",
-          "[window][open][safety][law]") {
+          "[window][open][safety]") {
     PressedDesk desk(PressingHand::Does::presses, {}, true);
     REQUIRE(desk.feel());
     desk.board.plug(false);
@@ -45,19 +46,17 @@ TEST_CASE("a cable that is pulled with the force on ends it, and the session wai
 }
 
 TEST_CASE("the doctor and calibrate take an open board, and say what is wrong with another one",
-          "[laws][open][doctor]") {
+          "[open]") {
     const TemporaryFolder folder;
-    const std::string link = folder.file("board");
     const auto doctor = [&](const std::string& calibration) {
-        const std::string out =
-            palpate_command({"doctor", "--device", "board:" + link, "--calibration", calibration,
-                             "--seconds", "0.05", "--json", "--db", folder.file("d.sqlite")})
-                .out;
-        return out.substr(0, out.find("kinematics"));
+        return behind(palpate_command({"doctor", "--device", "board:" + folder.file("board"),
+                                       "--calibration", calibration, "--seconds", "0.05", "--json",
+                                       "--db", folder.file("d.sqlite")})
+                          .out,
+                      "", "kinematics");
     };
     CHECK_THAT(doctor("2diy_gen3"), Has("is the board plugged in"));
-    const Process emulator({palpate_program(), "haply-emulator", "--open", "--link", link});
-    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    const TypedBoard emulator(folder, "--open");
     std::string said;
     for (int i = 0; i < 20 && said.find("\"ok\"") == std::string::npos; ++i) {
         said = doctor("2diy_gen3");  // a busy machine may leave the board without its turn
@@ -65,11 +64,9 @@ TEST_CASE("the doctor and calibrate take an open board, and say what is wrong wi
     CHECK_THAT(said, Has("\"ok\"", "its own watchdog stops it after 20 ms"));
     CHECK_THAT(doctor("2diy_gen2"), Has("add [board]"));
     std::string other = slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
-    const std::size_t gen3 = other.find("name = \"2diy_gen3\"");
-    other = "format = 1\n[[pantograph]]\n" +
-            other.substr(gen3, other.find("[[pantograph]]", gen3) - gen3);
-    other.replace(other.find("counts_per_turn = 4880"), 22, "counts_per_turn = 4900");
-    std::ofstream(folder.file("other.toml")) << other;
-    CHECK_THAT(doctor(folder.file("other.toml")),
+    const std::string name = "name = \"2diy_gen3\"";
+    other = "format = 1\n[[pantograph]]\n" + name + behind(other, name, "[[pantograph]]");
+    CHECK_THAT(doctor(write(folder.file("other.toml"),
+                            replaced(other, "counts_per_turn = 4880", "counts_per_turn = 4900"))),
                Has("was flashed for 4880 and 4880 counts a turn"));
 }

@@ -58,7 +58,7 @@ void carry_on(Process& program, XHand& hand) {
 
 TEST_CASE(
     "a session on the pointer is a pilot, answers wait for the guard time and to be confirmed",
-    "[long][window][operator][law]") {
+    "[long][window]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("it's study.sqlite");
     const std::string protocol = folder.file("p.toml");
@@ -89,9 +89,7 @@ TEST_CASE(
     session.wait_for_screen("confidence");
     hand.chord("q");
     session.press_at("confidence", "y");
-    const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 3);
+    const Finished end = ended(session.finish(), 3);
 
     CHECK(sql_lines(file, "SELECT session_kind FROM session") == "pilot\n");
     CHECK_THAT(end.error, Has("--device mouse gives no force", "recorded as pilot"));
@@ -110,12 +108,9 @@ TEST_CASE(
                             "trial 1 of 2 ", "This run: 1 answered, 0 of them do not count",
                             "Stopped before trial 2 of 2"));
     CHECK_THAT(end.out, !Has("convex") && !Has("concave"));
-    const std::string goes_on = "goes on there: ";
-    const std::size_t at = end.out.rfind(goes_on);
-    REQUIRE(at != std::string::npos);
-    const std::string command =
-        end.out.substr(at + goes_on.size(), end.out.find('\n', at) - at - goes_on.size());
-    Process again({"sh", "-c", "exec " + command}, shown_on(session.screen().display()));
+    const Words goes_on = between(end.out, "goes on there: ", "\n");
+    REQUIRE_FALSE(goes_on.empty());
+    Process again({"sh", "-c", "exec " + goes_on.back()}, shown_on(session.screen().display()));
     carry_on(again, hand);
     const Finished rest = ended(again.wait());
     CHECK_THAT(rest.out, Has("Resuming at trial 2 of 2", "trial 2 of 2      attempt 2  ",
@@ -132,7 +127,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a real session on a device without force is refused unless the protocol asks for it",
-          "[window][operator][law]") {
+          "[window]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::ofstream(folder.file("any.toml")) << two_trials();
@@ -144,14 +139,15 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     const auto used = [&] {
         const Finished plan = palpate_command(
             {"sequence", folder.file("mouse.toml"), "--participant", "P2", "--db", file});
-        const std::size_t at = plan.out.find("used so far: ");
-        return at == std::string::npos ? plan.out + plan.error : plan.out.substr(at + 13, 3);
+        CAPTURE(plan.out, plan.error);
+        REQUIRE_THAT(plan.out, Has("used so far: "));
+        return behind(plan.out, "used so far: ").substr(0, 3);
     };
     WindowSession session(words("mouse.toml", "P1"));
     {
         const Words refused = joined(command_of(words("any.toml", "P1")), {"--kind", "real"});
-        const Finished end = Process(refused, shown_on(session.screen().display())).wait();
-        check_end(end, 2, Has("gives no force", "device = \"mouse\"", "--kind pilot"));
+        check_end(Process(refused, shown_on(session.screen().display())).wait(), 2,
+                  Has("gives no force", "device = \"mouse\"", "--kind pilot"));
     }
     // Whoever is at the welcome screen has taken a row of the pictures; whoever left there has not.
     session.wait_for_screen("welcome");
@@ -159,9 +155,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     const std::string taken = used();
     CHECK((taken == "0 1" || taken == "1 0"));
     session.program().signal(SIGTERM);
-    const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 3);
+    const Finished end = ended(session.finish(), 3);
     CHECK(used() == "0 0");
     CHECK_THAT(end.out, Has("four_trials: REAL, participant P1, session 1, 2 trials",
                             "This run: 0 answered", "Stopped before trial 1 of 2"));
@@ -170,14 +164,13 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CHECK(sql_lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
-TEST_CASE("practice is counted by itself, repeats never make a number jump, and three are an alarm",
-          "[operator][law]") {
+TEST_CASE(
+    "practice is counted by itself, repeats never make a number jump, and three are an alarm") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = four_trials();
-    text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
-    text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
-    std::ofstream(folder.file("p.toml")) << text;
+    write(folder.file("p.toml"),
+          edited(four_trials(), {{"practice_repetitions = 0", "practice_repetitions = 1"},
+                                 {"contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1"}}));
     const Finished end = ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
     Words numbers;
     std::size_t repeats = 0;
@@ -209,41 +202,27 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
 
 TEST_CASE(
     "a session of two intervals and a rule, stopped and resumed, says its numbers and what it came "
-    "to",
-    "[operator][law]") {
+    "to") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string threshold = slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
-    for (int run = 0; run < 2; ++run) {
-        threshold = replaced(threshold, "\ntrials = 40", "\ntrials = 8");
-    }
-    std::ofstream(folder.file("p.toml")) << threshold;
+    write(folder.file("p.toml"),
+          all_replaced(slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml"),
+                       "\ntrials = 40", "\ntrials = 8"));
     const Words words = run_words(folder.file("p.toml"), "P1", file, {"--headless", "--speed"});
-    Words slow = joined({palpate_program()}, words);
-    slow.push_back("40");
-    Process program(slow, {"DISPLAY", "WAYLAND_DISPLAY"});
-    for (int i = 0; i < 4000 && program.out().find("practice 2 of ") == std::string::npos; ++i) {
-        pause(0.01);
-    }
+    Process program(joined(command_of(words), {"40"}), {"DISPLAY", "WAYLAND_DISPLAY"});
+    CHECK(program.says("practice 2 of "));
     program.signal(SIGINT);
-    const Finished stopped = ended(program.wait(), 3);
-    CHECK_THAT(stopped.out, Has("Stopped before practice "));
+    CHECK_THAT(ended(program.wait(), 3).out, Has("Stopped before practice "));
     const Words redo = joined(words, {"0", "--resume", "redo-block"});
     CHECK_THAT(ran(redo).out, Has("Resuming at practice 1 of ", " trial 1 of ", "  attempt 2  ") &&
                                   !Has("--resume redo-block"));
 }
 
 TEST_CASE("one trial that takes long leaves alone how many minutes the terminal foretells",
-          "[window][operator][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::string text = four_trials();
-    text = replaced(text, "repetitions = 1", "repetitions = 100");
-    std::ofstream(folder.file("p.toml"))
-        << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
+          "[window]") {
     std::int64_t before = monotonic_ns();
-    WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+    PointerSession session(edited(four_trials(), {{"repetitions = 1", "repetitions = 100"},
+                                                  {"explore_min_s = 0.5", "explore_min_s = 0.1"}}));
     session.press_at("welcome", "space");
     std::vector<double> took;  // min
     for (int trial = 1; trial <= 5; ++trial) {
@@ -256,10 +235,9 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
         took.push_back(static_cast<double>(now - before) * 1e-9 / 60.0);
         before = now;
     }
-    const std::string out = session.program().out();
     const std::string said = "(395 left, about ";
-    REQUIRE_THAT(out, Has(said));
-    const double minutes = std::stod(out.substr(out.find(said) + said.size()));
+    REQUIRE_THAT(session.program().out(), Has(said));
+    const double minutes = std::stod(behind(session.program().out(), said));
     const auto [shortest, longest] = std::minmax_element(took.begin() + 2, took.end());
     CAPTURE(took, minutes);
     CHECK(minutes <= 395.0 * *longest + 1.5);  // the third of five is between these three
@@ -268,7 +246,7 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
 }
 
 TEST_CASE("a person's line says the times of the file, and nothing that tells shape or friction",
-          "[window][haply][operator][blind][law]") {
+          "[window][haply]") {
     PressedDesk desk(PressingHand::Does::presses);
     WindowSession& session = *desk.session;
     const auto answered = [&] {

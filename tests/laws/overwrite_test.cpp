@@ -1,15 +1,6 @@
 #include "tests/support/program.hpp"
 
-namespace {
-
-const std::string kPlaneScene = test_text("scenes/line.toml");
-
-const std::string kQuestProcedure = test_text("procedures/quest_of_ten.toml");
-
-}  // namespace
-
-TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name",
-          "[report][law]") {
+TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name") {
     const TemporaryFolder folder;
     const auto f = [&](const char* name) {
         return folder.file(name);
@@ -22,8 +13,8 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     write(f("drawn.svg"), "<?xml version=\"1.0\"?>\n<svg><title>by hand</title></svg>\n");
     write(f("t.csv"), "t_s,x_m,y_m\n0,0.05,0\n0.001,0.02,0\n");
     write(f("xy.csv"), "x_m,y_m\n0.05,0\n");
-    write(f("s.toml"), kPlaneScene);
-    write(f("proc.toml"), kQuestProcedure);
+    write(f("s.toml"), test_text("scenes/line.toml"));
+    write(f("proc.toml"), test_text("procedures/quest_of_ten.toml"));
     write(f("r.csv"), "response\n1\n1\n0\n");
 
     const std::vector<Words> commands{
@@ -39,18 +30,10 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     };
     const auto names = folder.names();
     for (const auto& command : commands) {
-        const auto to = [&](const std::string& file) {
-            auto words = command;
-            words.push_back(file);
-            return palpate_command(words);
-        };
         for (const std::string& name : names) {
             CAPTURE(command.front(), name);
             const std::string before = slurp(f(name.c_str()));
-            const auto done = to(f(name.c_str()));
-            CHECK(done.code == 2);
-            CHECK(done.out.empty());
-            CHECK_THAT(done.error, Has(name + " is there already and is not what"));
+            refused(joined(command, {f(name.c_str())}), name + " is there already and is not what");
             CHECK(slurp(f(name.c_str())) == before);
         }
         CHECK(folder.names() == names);
@@ -60,12 +43,9 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
             continue;  // asks at the keyboard
         }
         const TemporaryFolder made;
-        write(made.file("out"), "");  // an empty file is nobody's
-        auto words = command;
-        words.push_back(made.file("out"));
-        const auto first = palpate_command(words);
-        CAPTURE(command.front(), first.error);
-        REQUIRE(first.code == 0);
+        // an empty file is nobody's
+        const Words words = joined(command, {write(made.file("out"), "")});
+        ran(words);
         const std::string text = slurp(made.file("out"));
         CHECK(!text.empty());
         ran(words);
@@ -73,8 +53,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     }
 }
 
-TEST_CASE("a file that cannot be made is refused with what the system says of it",
-          "[report][law]") {
+TEST_CASE("a file that cannot be made is refused with what the system says of it") {
     const TemporaryFolder folder;
     write(folder.file("file"), "");
     for (const auto& [place, why] :
@@ -87,8 +66,7 @@ TEST_CASE("a file that cannot be made is refused with what the system says of it
     CHECK(folder.names() == Words{"file"});
 }
 
-TEST_CASE("figures write all of their files or none where somebody's table has the name of one",
-          "[report]") {
+TEST_CASE("figures write all of their files or none where somebody's table has the name of one") {
     const TemporaryFolder folder;
     write(folder.file("fig_3_2_2.svg"), "mine\n");
     CHECK_THAT(ran({"figures", "-o", folder.path().string()}, 2).error,

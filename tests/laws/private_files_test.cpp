@@ -2,7 +2,7 @@
 
 // What the program leaves behind for others to read, and how it is built.
 
-TEST_CASE("whatever is written with participants' codes is its owner's alone", "[privacy][law]") {
+TEST_CASE("whatever is written with participants' codes is its owner's alone") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--headless"}));
@@ -31,7 +31,7 @@ TEST_CASE("whatever is written with participants' codes is its owner's alone", "
     CHECK(slurp(page).find("P1") != std::string::npos);
 }
 
-TEST_CASE("a link that somebody laid leads to no file of theirs", "[privacy][law]") {
+TEST_CASE("a link that somebody laid leads to no file of theirs") {
     const TemporaryFolder folder;
     const std::string victim = folder.file("victim");
     std::ofstream(victim) << "theirs";
@@ -55,8 +55,7 @@ TEST_CASE("a link that somebody laid leads to no file of theirs", "[privacy][law
     CHECK_FALSE(std::filesystem::is_symlink(folder.file("screens/end.png")));
 }
 
-TEST_CASE("an export says of what was noted afterwards no time since the first trial",
-          "[privacy][export][law]") {
+TEST_CASE("an export says of what was noted afterwards no time since the first trial") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--headless"}));
@@ -81,8 +80,7 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
 }
 
 #if defined(NDEBUG) && !defined(PALPATE_SANITIZED)
-TEST_CASE("the program is built for files of strangers: canaries, checked copies, bound at once",
-          "[build]") {
+TEST_CASE("the program is built for files of strangers: canaries, checked copies, bound at once") {
     const Finished dynamic = Process({"readelf", "-d", palpate_program()}).wait();
     CHECK(dynamic.code == 0);
     CHECK_THAT(dynamic.out, Has("BIND_NOW", "PIE"));

@@ -7,7 +7,7 @@
 // place of a button.
 
 TEST_CASE("weak pulses of an opening and of commission end by every way to stop, nothing is made",
-          "[commission][haply][safety][law]") {
+          "[haply][safety]") {
     EACH(opening, true, false);
     const TemporaryFolder folder;
     FreeBoard board(folder);
@@ -87,7 +87,7 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
         "killed", [&](pid_t program) { return kill(program, SIGKILL) == 0; }, 128 + SIGKILL);
 }
 
-TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commission][haply][law]") {
+TEST_CASE("Escape at a question stops, and no pulse comes after it", "[haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const Terminal terminal;
@@ -107,8 +107,7 @@ TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commissio
         pulsed = pulsed || board.motors() != "0, 0";
         return !program.running();
     }));
-    const Finished end = program.wait();
-    check_end(end, 3, Has("stopped"));
+    check_end(program.wait(), 3, Has("stopped"));
     CHECK_FALSE(pulsed);
     CHECK_FALSE(std::filesystem::exists(made));
     CHECK(terminal.as_before());

@@ -3,45 +3,32 @@
 
 namespace {
 
-std::string written(const TemporaryFolder& folder, const char* name, const std::string& text) {
-    std::ofstream(folder.file(name)) << text;
-    return folder.file(name);
-}
-
 std::string hash_of(const std::string& protocol) {
-    const std::string said = palpate_command({"check", protocol}).out;
-    return said.substr(said.find("\nprotocol ") + 10, 64);
+    return behind(ran({"check", protocol}).out, "\nprotocol ").substr(0, 64);
 }
 
 }  // namespace
 
-TEST_CASE("versions of a protocol in one file: asked about by what differs, and kept apart",
-          "[protocol][law]") {
+TEST_CASE("versions of a protocol in one file: asked about by what differs, and kept apart") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
     const std::string text = four_trials();
-    const std::string first = written(folder, "first.toml", text);
+    const std::string first = write(folder.file("first.toml"), text);
     const std::string other_text =
         replaced(replaced(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2");
-    std::string second = written(folder, "second.toml", other_text);
+    std::string second = write(folder.file("second.toml"), other_text);
     for (int i = 0; hash_of(second) > hash_of(first); ++i) {  // by hash it would come first
-        second =
-            written(folder, "second.toml",
-                    replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
+        second = write(folder.file("second.toml"),
+                       replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
     }
-    const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
-        Words words = run_words(protocol, who, file, {"--headless"});
-        if (*more != '\0') {
-            words.emplace_back(more);
-        }
-        return palpate_command(words);
+    const auto run = [&](const std::string& protocol, const char* who, const Words& more = {}) {
+        return palpate_command(joined(run_words(protocol, who, file, {"--headless"}), more));
     };
     REQUIRE(run(first, "R1").code == 0);
     REQUIRE(run(first, "R2").code == 0);
 
     // By accident.
-    const auto refused = run(second, "R3");
-    check_end(refused, 2,
+    check_end(run(second, "R3"), 2,
               Has("2 people of this file ran another version of "
                   "four_trials",
                   "friction.on mu_d 0.5 there, 0.1 here", "design repetitions 1 there, 2 here",
@@ -53,7 +40,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(ran({"status", file}).out, !Has("four_trials@"));
 
     // Meant. From then on it is the version, and the old one is the other.
-    REQUIRE(run(second, "R3", "--new-version").code == 0);
+    REQUIRE(run(second, "R3", {"--new-version"}).code == 0);
     REQUIRE(run(second, "R4").code == 0);
     CHECK_THAT(ran({"status", file}).out,
                Has("finished, of four_trials@" + hash_of(first).substr(0, 8),
@@ -61,14 +48,13 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(run(first, "R5").error, Has("mu_d 0.1 there, 0.5 here"));
     ran({"verify", file});
 
-    const std::string one =
-        "four_trials@" + sql_first(file,
-                                   "SELECT substr(protocol_sha256, 1, 8) FROM study "
-                                   "ORDER BY study_id");
-    const std::string other =
-        "four_trials@" + sql_first(file,
-                                   "SELECT substr(protocol_sha256, 1, 8) FROM study "
-                                   "ORDER BY study_id DESC");
+    const Words hashes = lines_in(
+        sql_lines(file,
+                  "SELECT 'four_trials@' || substr(protocol_sha256, 1, 8) FROM study ORDER BY "
+                  "study_id"));
+    REQUIRE(hashes.size() == 2);
+    const std::string one = hashes.front();
+    const std::string other = hashes.back();
     const auto names_both = [&](const std::string& printed) {
         CAPTURE(printed);
         CHECK_THAT(printed, Has(one, other, "2 people (simulated)"));

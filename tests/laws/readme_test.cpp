@@ -10,7 +10,7 @@ std::string page(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[readme][law]") {
+TEST_CASE("the example queries of docs/data.md run as printed, and answer") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);  // with every kind of question
     const Words queries = between(page("docs/data.md"), "\n```sql\n", "```");
@@ -22,7 +22,7 @@ TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[re
     }
 }
 
-TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law]") {
+TEST_CASE("docs/data.md names every table and view of the schema") {
     const TemporaryFile file("d.sqlite");
     ran({"demo", "--headless", "--db", file});
     const Finished names =
@@ -35,7 +35,7 @@ TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law
     }
 }
 
-TEST_CASE("uPlot lies here as its package has it, with its licence", "[docs]") {
+TEST_CASE("uPlot lies here as its package has it, with its licence") {
     const std::string folder = PALPATE_SOURCE_DIR "/data/page/uplot/";
     const std::string readme = slurp(folder + "README.md");
     for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {

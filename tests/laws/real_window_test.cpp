@@ -14,14 +14,21 @@ constexpr std::size_t kClicked = 1;
 /// Beside the window there is room.
 constexpr WindowSession::Screen kWide{.width = 1920, .height = 1080};
 
+ui::PointerMap map_of(const XHand::Window& window) {
+    return {{static_cast<double>(window.width), static_cast<double>(window.height)}};
+}
+
+/// Moves the real pointer to a place of the object's frame.
+void point_at(XHand& hand, const XHand::Window& window, const Vec2& object) {
+    const Vec2 pixel = map_of(window).to_pixel(object);
+    hand.move(window.x + static_cast<int>(pixel.x), window.y + static_cast<int>(pixel.y));
+}
+
 /// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off
 /// again.
 void explore(XHand& hand, const XHand::Window& window) {
-    const ui::PointerMap map{
-        {static_cast<double>(window.width), static_cast<double>(window.height)}};
     const auto go = [&](const Vec2& object) {
-        const Vec2 pixel = map.to_pixel(object);
-        hand.move(window.x + static_cast<int>(pixel.x), window.y + static_cast<int>(pixel.y));
+        point_at(hand, window, object);
         pause(0.004);
     };
     const Vec2 a{-0.040, 0.0};
@@ -77,11 +84,8 @@ double longest_step(std::span<const engine::TickRecord> trace) {
 TEST_CASE(
     "a real pointer in a real window: start, choice, reaction time and exact forces are in the "
     "database",
-    "[long][window][law]") {
-    const TemporaryFile file("d.sqlite");
-    WindowSession session(
-        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", "--windowed"}),
-        {}, kWide);
+    "[long][window]") {
+    PointerSession session(four_trials(), {"--windowed"}, kWide);
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
     session.press_at("welcome", "space");
@@ -96,9 +100,7 @@ TEST_CASE(
         }
         session.press_at("ready", "space");
         const XHand::Window window = session.wait_for_screen("explore");
-        const Vec2 start =
-            ui::PointerMap{{static_cast<double>(window.width), static_cast<double>(window.height)}}
-                .to_pixel({0.0, 0.060});
+        const Vec2 start = map_of(window).to_pixel({0.0, 0.060});
         CHECK(eventually([&] {
             const auto [x, y] = hand.place();
             return glm::length(Vec2{x - window.x, y - window.y} - start) < 2.0;
@@ -119,7 +121,7 @@ TEST_CASE(
     ended(session.finish());
     CHECK(explore_screens.size() == 4);  // they differ in the trial's number only
 
-    data::Database database(file, data::Access::read);
+    data::Database database(session.database(), data::Access::read);
     auto row = database.prepare(
         "SELECT trial_id, curvature_per_m, friction, analysis_trial.chosen_object, "
         "analysis_trial.reaction_s, response.reaction_uncertainty_s, session_kind, input, done_s "
@@ -146,19 +148,15 @@ TEST_CASE(
     CHECK(trials == 4);
 }
 
-TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
-          "[window][operator][law]") {
-    const TemporaryFile file("d.sqlite");
-    WindowSession session(
-        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one", "[window]") {
+    PointerSession session;
     session.go_through({"welcome", "ready"});
     explore(session.hand(), session.wait_for_screen("explore"));
     session.press_at("explore", "space");
     session.press_at("question", "1");
     session.wait_for_text("answered in");
     session.program().signal(SIGTERM);
-    const Finished end = session.finish();
-    CHECK_THAT(answered_line(end.out),
+    CHECK_THAT(answered_line(session.finish().out),
                Has("felt ") && !Has("contact") && !Has(" N ") && !Has("touched"));
     CHECK(session.ask("SELECT contact_ticks > 0 FROM trial") == "1");
     for (const std::string column :
@@ -172,7 +170,7 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
 
 TEST_CASE(
     "a session on surfaces in a real window, broken off at the choice, is what verify recomputes",
-    "[window][surface-session]") {
+    "[window]") {
     const TemporaryFile file("d.sqlite");
     WindowSession session(run_words("patch_friction", "P1", file,
                                     {"--device", "sim", "--windowed", "--speed", "20"}));
@@ -180,26 +178,16 @@ TEST_CASE(
     session.press_at("question", "2");
     session.go_through({"ready", "explore"});
     session.wait_for_screen("question");
-    session.program().signal(SIGTERM);
-    const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 3);
+    CHECK(session.program().ended_by(SIGTERM) == 3);
     CHECK(session.ask("SELECT group_concat(outcome) FROM trial") == "complete,aborted");
     CHECK(session.ask("SELECT input FROM response") == "key");
     ran({"verify", file});
 }
 
-TEST_CASE("of an object that was never touched the person's line says so",
-          "[window][operator][blind][law]") {
-    const TemporaryFile file("d.sqlite");
-    WindowSession session(
-        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+TEST_CASE("of an object that was never touched the person's line says so", "[window]") {
+    PointerSession session;
     session.press_at("welcome", "space");
-    const XHand::Window window = session.wait_for_screen("ready");
-    const Vec2 away =
-        ui::PointerMap{{static_cast<double>(window.width), static_cast<double>(window.height)}}
-            .to_pixel({0.0, 0.060});
-    session.hand().move(window.x + static_cast<int>(away.x), window.y + static_cast<int>(away.y));
+    point_at(session.hand(), session.wait_for_screen("ready"), {0.0, 0.060});
     session.go_through({"ready", "explore"});
     session.press_at("question", "1");
     session.wait_for_text("answered in");

@@ -5,7 +5,7 @@
 TEST_CASE(
     "Python computes every column of the views and the ten usual questions again, and notices a "
     "changed value",
-    "[long][sql][law]") {
+    "[long]") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
     const auto ticks = palpate_command(

@@ -1,6 +1,6 @@
-#include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 // README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in
 // a window.
@@ -20,7 +20,7 @@ std::string study(const TemporaryFolder& folder) {
 /// Two trials, as rehearsed: a hand that is typed to the emulator explores, lets go in the
 /// break, and the experimenter's keys do the rest. A busy machine makes troubles, and they take
 /// their time: each screen has its own.
-void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
+void rehearse(OpenedSession& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;
     std::size_t troubles = 0;
@@ -29,7 +29,7 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
     bool goes_on = true;
     for (int screens = 0; goes_on && run.program().running() && screens < 80; ++screens) {
         goes_on = eventually([&] {
-            const auto window = hand.find_window("palpate: ");
+            const auto window = run.hand.find_window("palpate: ");
             const std::string& at = window.title;
             const std::size_t said = count_of(run.program().out(), "trouble: ");
             const bool another = at != before || said > troubles;
@@ -45,7 +45,7 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
                 board.bring(mark ? last_place(last) : "0,89.3");  // without a jump, let go
                 explores = false;
             } else if (window.id != 0) {
-                press_on(hand);
+                press_on(run.hand);
                 felt = felt && at == "palpate: explore";
             }
             course += another ? "\n" + at : ".";
@@ -64,28 +64,20 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
 
 TEST_CASE(
     "a commissioned session is rehearsed on the emulator to its end, and recorded as simulated",
-    "[commission][open][window][law]") {
+    "[open][window]") {
     const TemporaryFolder folder;
     FreeBoard board(folder, "--open");
     const std::string rig = commissioned_rig(folder, board.word());
-    const Xvfb screen(1280, 800);
-    XHand hand(screen.display());
     const std::string words = "run '" + study(folder) + "' --participant P1 --db '" +
                               folder.file("d.sqlite") + "' --windowed --device " + board.word() +
                               " --calibration '" + rig + "'";
-    const auto run = opened_session(folder, board, screen, words);
-    INFO(run->program().error());
-    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
-    rehearse(hand, *run, board);
-    const Finished end = run->program().wait();
-    check_end(end, 0, Has("the session is recorded as simulated"));
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.first(
-        "SELECT session_kind, "
-        "(SELECT count(*) FROM analysis_trial WHERE counts AND mean_normal_force_n > 0.1) "
-        "FROM session");
-    CHECK(row.text(0) == "simulated");
-    CHECK(row.text(1) == "2");
+    OpenedSession run(folder, board, words);
+    run.wait_for("welcome");
+    rehearse(run, board);
+    check_end(run.program().wait(), 0, Has("the session is recorded as simulated"));
+    CHECK(sql_lines(folder.file("d.sqlite"),
+                    "SELECT session_kind, (SELECT count(*) FROM analysis_trial WHERE counts AND "
+                    "mean_normal_force_n > 0.1) FROM session") == "simulated|2\n");
     ran({"verify", folder.file("d.sqlite")});
     CHECK_THAT(palpate_command({"doctor", "--device", board.word(), "--calibration", rig, "--db",
                                 folder.file("e.sqlite")})
@@ -94,7 +86,7 @@ TEST_CASE(
 }
 
 TEST_CASE("behind a port where nobody is seen a session has to say of which kind it is",
-          "[haply][kind][law]") {
+          "[haply]") {
     const TemporaryFolder folder;
     const FreeBoard board(folder);
     const std::string file = folder.file("d.sqlite");
@@ -110,8 +102,7 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
     const Words run{
         palpate_program(), "run",        study(folder),   "--participant", "P1", "--db", file,
         "--device",        board.word(), "--calibration", "2diy_gen3"};
-    const Finished asked = elsewhere(run);
-    check_end(asked, 2, Has("a program that this user cannot see", "--kind real"));
+    check_end(elsewhere(run), 2, Has("a program that this user cannot see", "--kind real"));
     CHECK_FALSE(std::filesystem::exists(file));
     const Finished doctor =
         elsewhere({palpate_program(), "doctor", "--device", board.word(), "--calibration",

@@ -1,4 +1,3 @@
-#include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
 
@@ -22,21 +21,10 @@ void record(const std::string& file,
          "--headless"});
 }
 
-std::string copied(const std::string& file, const std::string& to) {
-    data::Database(file, data::Access::write).checkpoint();
-    std::filesystem::copy_file(file, to, std::filesystem::copy_options::overwrite_existing);
-    return to;
-}
-
 /// An edit by hand is seen.
 void check_edit(const std::string& file, const std::string& to, const std::string& sql) {
     CAPTURE(sql);
-    copied(file, to);
-    {
-        data::Database edited(to, data::Access::write);
-        edited.execute("PRAGMA foreign_keys = OFF");
-        edited.execute(sql.c_str());
-    }
+    sql_edit(copied(file, to), "PRAGMA foreign_keys = OFF;" + sql);
     ran({"verify", to}, 1);
 }
 
@@ -49,8 +37,7 @@ constexpr const char* kNoted =
 
 }  // namespace
 
-TEST_CASE("a session run under a wrong code is another's everywhere, and one can be withdrawn",
-          "[repair][verify][merge][law]") {
+TEST_CASE("a session run under a wrong code is another's everywhere, and one can be withdrawn") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string edited = folder.file("edited.sqlite");
@@ -101,8 +88,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     }
     const std::string shared = folder.file("shared");
     ran({"export", file, "--format", "csv", "-o", shared, "--kind", "simulated", "--with-details"});
-    const std::string person = ran({"participant", file, "P2"}).out;
-    const std::string subject = person.substr(person.find("sub-"), 14);
+    const std::string subject =
+        "sub-" + behind(ran({"participant", file, "P2"}).out, "sub-").substr(0, 10);
     CHECK_THAT(slurp(shared + "/sessions.csv"), Has(subject));
     CHECK_THAT(slurp(shared + "/events.csv"), Has("is really") && !Has("P2"));
 
@@ -138,8 +125,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     ran({"verify", file});
 }
 
-TEST_CASE("a session that is over is refused by what ended it, and a moved one goes on moved back",
-          "[repair][law]") {
+TEST_CASE(
+    "a session that is over is refused by what ended it, and a moved one goes on moved back") {
     const TemporaryFile file("a.sqlite");
     const auto run = [&] {
         return palpate_command(run_words("shape_friction_demo", "F", file, {"--headless"}));
@@ -168,7 +155,7 @@ TEST_CASE("a session that is over is refused by what ended it, and a moved one g
     refused("is finished");
 }
 
-TEST_CASE("what has a word of its own is no detail of a participant", "[repair][law]") {
+TEST_CASE("what has a word of its own is no detail of a participant") {
     const TemporaryFile file("a.sqlite");
     ran({"participant", file, "P1", "--new"});
     for (const auto& [key, value] : {std::pair{"consent", "no"}, std::pair{"handedness", "-100"}}) {
@@ -180,8 +167,7 @@ TEST_CASE("what has a word of its own is no detail of a participant", "[repair][
                Has("consent      not noted\n") && !Has("consent      no\n"));
 }
 
-TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs",
-          "[repair][merge][law]") {
+TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"participant", file, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
@@ -210,8 +196,7 @@ TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles w
                Has("none of the files"));
 }
 
-TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were destroyed",
-          "[repair][merge][law]") {
+TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were destroyed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto noted_in = [](const std::string& year, const std::string& of,
@@ -232,8 +217,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
         int orders = 0;
         do {
             std::filesystem::remove(all);
-            const Words words = joined({"merge", all}, files);
-            ran(words);
+            ran(joined({"merge", all}, files));
             const std::string once = sql_csv(all, kNoted);
             for (std::size_t i = 0; said.empty() && i < files.size(); ++i) {
                 ran({"merge", all, files[i]});  // again, one by one: nothing changes
@@ -285,10 +269,8 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     CHECK(merged({file, backup}) == "1,,\n");
 }
 
-TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again",
-          "[repair][disk][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
+TEST_CASE("what is destroyed where the file cannot be written anew is said to be, and done again") {
+    const TemporaryFile file("a.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         record(file, person);
     }
@@ -309,8 +291,7 @@ TEST_CASE("what is destroyed where the file cannot be written anew is said to be
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }
 
-TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed",
-          "[repair][verify][merge][law]") {
+TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran({"participant", file, "P1", "--new", "--handedness", "73", "--set", "diagnosis=anosmia"});

@@ -12,7 +12,7 @@ Words run(const std::string& file, const std::string& device) {
 
 }  // namespace
 
-TEST_CASE("every recorded force comes back to the bit from the database alone", "[replay][law]") {
+TEST_CASE("every recorded force comes back to the bit from the database alone") {
     const TemporaryFile file("a.sqlite");
     ran(run(file, "sim"));
     data::Database database(file, data::Access::read);
@@ -45,7 +45,7 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
     CHECK(replayed > 40'000);
 }
 
-TEST_CASE("a session on a replayed hand feels and answers as the recorded one", "[replay][law]") {
+TEST_CASE("a session on a replayed hand feels and answers as the recorded one") {
     const TemporaryFolder folder;
     const std::string first = folder.file("a.sqlite");
     const std::string second = folder.file("b.sqlite");
@@ -76,7 +76,7 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
     CHECK(choices(a) == choices(b));
 }
 
-TEST_CASE("one named trial can be replayed for all", "[replay]") {
+TEST_CASE("one named trial can be replayed for all") {
     const TemporaryFolder folder;
     const std::string first = folder.file("a.sqlite");
     ran(run(first, "sim"));

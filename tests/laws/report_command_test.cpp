@@ -1,4 +1,3 @@
-#include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
 #include "tests/support/short_text.hpp"
@@ -35,10 +34,8 @@ const Words kSimulated{"--kind", "simulated"};
 /// All CSV of results, which come from no query.
 std::string results_of(const std::string& page) {
     std::string text;
-    const std::string mark = "-results";
-    for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1)) {
-        const std::size_t href = page.find("href=\"", at) + 6;
-        text += of_address(page.substr(href, page.find('"', href) - href));
+    for (const std::string& link : between(page, "-results", ">")) {
+        text += of_address(behind(link, "href=\"", "\""));
     }
     return text;
 }
@@ -51,10 +48,8 @@ std::string digits(const Json& number) {
 /// @return how many there are
 std::size_t check_results(const std::string& page, const std::vector<Words>& commands) {
     std::set<std::string> all;
-    for (Words command : commands) {
-        command.emplace_back("--json");
-        const Finished done = ran(command);
-        add_numbers(Json::parse(done.out), all);
+    for (const Words& command : commands) {
+        add_numbers(json_of(command), all);
     }
     const Words numbers = numbers_of(results_of(page));
     for (const std::string& number : numbers) {
@@ -78,14 +73,13 @@ void check_structure(const std::string& page) {
         }
     }
     CHECK(headings > 20);
-    std::size_t figures = 0;
-    for (const std::string& figure : between(page, "<figure ", "</figure>")) {
+    const Words figures = between(page, "<figure ", "</figure>");
+    for (const std::string& figure : figures) {
         CAPTURE(figure.substr(0, 80));
         CHECK_THAT(figure, Has("<table", "<caption>", "class=\"sql\"", "class=\"csv\"", "<h3",
                                "<figcaption>"));
-        ++figures;
     }
-    CHECK(figures >= 10);
+    CHECK(figures.size() >= 10);
     CHECK(count_of(page, "<svg ") ==
           count_of(page, "role=\"img\" aria-label=") + count_of(page, "role=\"img\">\n"));
     // Nothing to fetch, nothing to run.
@@ -110,16 +104,14 @@ void check_sources(const std::string& page, const std::string& file) {
 
 /// What stands on the page is of this kind, all of it and no more.
 void check_kind(const std::string& page, const std::string& kind, const std::string& file) {
-    data::Database database(file, data::Access::read);
     const auto rows = [&](const std::string& from) {
-        return fmt::format("{}\n", count(database, from + " WHERE session_kind = '" + kind +
-                                                       "' AND phase = 'main'"));
+        return sql_first(file, "SELECT count(*) FROM " + from + " WHERE session_kind = '" + kind +
+                                   "' AND phase = 'main'");
     };
     const auto sources = sources_of(page);
     const auto cells = [&](const std::string& name, const std::string& what) {
-        const std::string& sql = sources.at(kind + "-" + name + ".csv").sql;
-        const std::string done = sql_csv(file, "SELECT " + what + " FROM (" + sql + ")");
-        return done.substr(done.find('\n') + 1);
+        return sql_row(
+            file, "SELECT " + what + " FROM (" + sources.at(kind + "-" + name + ".csv").sql + ")");
     };
     CAPTURE(kind);
     const std::string trials = rows("analysis_trial");
@@ -134,9 +126,7 @@ void check_kind(const std::string& page, const std::string& kind, const std::str
 }
 
 void check_numbers(const std::string& page, const std::string& file) {
-    const Finished cells =
-        ran({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
-    const Json all = Json::parse(cells.out);
+    const Json all = json_of({"stats", file, "--kind", "simulated", "--simulations", "199"});
     const std::string results = results_of(page);
     REQUIRE_FALSE(all["not_applied"].is_null());
     std::size_t compared = 0;
@@ -165,17 +155,15 @@ void check_numbers(const std::string& page, const std::string& file) {
     CHECK_THAT(page, Has("<td class=\"n\">" +
                          fmt::format("{:.3f}", laplace["no_effect"]["p"].get<double>())));
 
-    const Finished audit = palpate_command({"audit", file, "--kind", "simulated"});
-    std::size_t same = count_of(audit.out, "the same\n");
-    CHECK(count_of(results, ",the same\n") == same);
+    CHECK(count_of(results, ",the same\n") ==
+          count_of(ran({"audit", file, "--kind", "simulated"}).out, "the same\n"));
 }
 
 }  // namespace
 
 TEST_CASE(
     "palpate report hands on a study as one page: figures with table, CSV and SQL that say the "
-    "same, numbers of palpate stats, nobody's code",
-    "[report]") {
+    "same, numbers of palpate stats, nobody's code") {
     const TemporaryFolder folder;
     const std::string file = made_study(folder);
     const std::string page = page_of(file, kSimulated);
@@ -212,43 +200,36 @@ TEST_CASE(
     check_kind(page_of(file, kSimulated), "simulated", file);
 }
 
-TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing",
-          "[report]") {
+TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
     ran({"verify", file});
     const auto before = folder.names();
-    const auto refused = [&](const Words& words, int code, const std::string& why) {
-        const Words all = joined({"report"}, words);
-        const Finished done = palpate_command(all);
-        CAPTURE(words);
-        CHECK(done.code == code);
-        CHECK(done.out.empty());
-        CHECK_THAT(done.error, Has(why));
+    const std::string page = folder.file("r.html");
+    const auto no_report = [&](const Words& words, const std::string& why, int code = 2) {
+        refused(joined({"report"}, words), why, code);
         CHECK(folder.names() == before);
     };
-    const std::string page = folder.file("r.html");
-    refused({file, "-o", page}, 2, "has no real session: --kind chooses others");
-    refused({file, "-o", page, "--kind", "simulated", "--study", "none"}, 2,
-            "has no study none: it has four_trials");
-    refused({file, "-o", page, "--kind", "all"}, 2, "--kind");
-    refused({file, "--kind", "simulated"}, 2, "--output");
-    refused({folder.file("none.sqlite"), "-o", page}, 2, "none.sqlite");
-    refused({PALPATE_SOURCE_DIR "/README.md", "-o", page}, 2, "README.md");
-    refused({file, "-o", file, "--kind", "simulated"}, 2, "is not what this command writes");
-    refused({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, 1, "no/r.html");
+    no_report({file, "-o", page}, "has no real session: --kind chooses others");
+    no_report({file, "-o", page, "--kind", "simulated", "--study", "none"},
+              "has no study none: it has four_trials");
+    no_report({file, "-o", page, "--kind", "all"}, "--kind");
+    no_report({file, "--kind", "simulated"}, "--output");
+    no_report({folder.file("none.sqlite"), "-o", page}, "none.sqlite");
+    no_report({PALPATE_SOURCE_DIR "/README.md", "-o", page}, "README.md");
+    no_report({file, "-o", file, "--kind", "simulated"}, "is not what this command writes");
+    no_report({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, "no/r.html", 1);
 }
 
-TEST_CASE("a page says what was so: which device, that nobody touched, and the last tenth",
-          "[report]") {
+TEST_CASE("a page says what was so: which device, that nobody touched, and the last tenth") {
     const TemporaryFolder folder;
-    write(folder.file("p.toml"),
-          edited(four_trials(), {{"explore_min_s = 0.5", "explore_min_s = 0"},
-                                 {"explore_prompt_s = 30", "explore_prompt_s = 0.02"},
-                                 {"explore_timeout_s = 45", "explore_timeout_s = 0.05"}}));
-    const std::string file = folder.file("a.sqlite");
-    ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db", file});
+    const std::string file = simulated_study(
+        folder,
+        edited(four_trials(), {{"explore_min_s = 0.5", "explore_min_s = 0"},
+                               {"explore_prompt_s = 30", "explore_prompt_s = 0.02"},
+                               {"explore_timeout_s = 45", "explore_timeout_s = 0.05"}}),
+        {"--participants", "2"});
     const auto page_with = [&](const std::string& mice) {
         sql_edit(file, "UPDATE trial SET device = 'mouse' WHERE " + mice);
         return page_of(file, {"--kind", "simulated", "--bootstrap", "20", "--simulations", "20"});
@@ -271,7 +252,7 @@ TEST_CASE("a page says what was so: which device, that nobody touched, and the l
                    !Has("through a handle"));
 }
 
-TEST_CASE("a study with a rule is reported with psychometric functions and tracks", "[report]") {
+TEST_CASE("a study with a rule is reported with psychometric functions and tracks") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"),
           short_text("friction_threshold", {{"explore_min_s = 2", "explore_min_s = 0.2"},
@@ -282,9 +263,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
                                             {"gap_s = 1", "gap_s = 0"}}) +
               "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
     const std::string file = folder.file("a.sqlite");
-    for (const std::string& code : {kCodes[0]}) {
-        ran(run_words(folder.file("p.toml"), code, file, {"--headless"}));
-    }
+    ran(run_words(folder.file("p.toml"), kCodes[0], file, {"--headless"}));
     const std::string page = page_of(file, {"--kind", "simulated", "--bootstrap", "60"});
     CHECK_THAT(page, Has("id=\"curves\"", "id=\"tracks\"", "class=\"band\"", "id=\"times\""));
     CHECK_THAT(page, !Has("id=\"confusion\""));
@@ -296,10 +275,9 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     check_sources(page, file);
     CHECK_THAT(sources_of(page).at("simulated-learning.csv").csv,
                Has("response_s") && !Has("share"));
-    const Finished cells = ran({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
     CHECK(check_results(page, {{"fit", file, "--kind", "simulated", "--bootstrap", "60"}}) > 10);
     const std::string results = results_of(page);
-    const Json fits = Json::parse(cells.out);
+    const Json fits = fitted({file, "--kind", "simulated", "--bootstrap", "60"});
     for (const Json& curve : fits["curves"]) {
         for (const char* quantity : {"threshold", "slope"}) {
             const Json& estimate = curve[quantity]["estimate"];
@@ -312,8 +290,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
 
 TEST_CASE(
     "a browser opens the page of a study without an error and without a request, and a phone's "
-    "cuts no caption and makes no label too small",
-    "[report]") {
+    "cuts no caption and makes no label too small") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
@@ -328,10 +305,7 @@ TEST_CASE(
     CHECK(shown.done.code == 0);
     CHECK_THAT(shown.done.error, !Has("CONSOLE"));
     CHECK(shown.asked_for_nothing());
-    const std::string dom = shown.done.out;
-    const std::size_t at = dom.find("<p>[") + 3;
-    REQUIRE(at > 3);
-    const Json widths = Json::parse(dom.substr(at, dom.find("</p>", at) - at));
+    const Json widths = Json::parse("[" + behind(shown.done.out, "<p>[", "</p>"));
     CHECK(widths.size() == 2);
     for (const Json& of : widths) {
         CAPTURE(of.dump());

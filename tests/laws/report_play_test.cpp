@@ -2,46 +2,30 @@
 #include "tests/support/page_reader.hpp"
 #include "tests/support/test_text.hpp"
 
-TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays",
-          "[report]") {
+TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string page = folder.file("a.html");
     ran({"run", kFourTrials, "--participant", "P1", "--db", file, "--device", "sim", "--headless"});
     ran({"report", file, "--trial", "2", "-o", page});
-    const Finished asked = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT tick, time_s, 1000 * hip_x_m, 1000 * hip_y_m, 1000 * go_x_m, 1000 * go_y_m, "
-         "sqrt(rendered_x_n * rendered_x_n + rendered_y_n * rendered_y_n), mode FROM sample WHERE "
-         "trial_id = 2 AND mode <> 'free' ORDER BY tick LIMIT 1 OFFSET 700"});
-    REQUIRE(asked.code == 0);
-    const auto row = csv_rows(asked.out).at(1);
-    CAPTURE(asked.out);
+    const Words row = split(sql_row(
+        file,
+        "SELECT tick, time_s, 1000 * hip_x_m, 1000 * hip_y_m, 1000 * go_x_m, 1000 * go_y_m, "
+        "sqrt(rendered_x_n * rendered_x_n + rendered_y_n * rendered_y_n), mode FROM sample WHERE "
+        "trial_id = 2 AND mode <> 'free' ORDER BY tick LIMIT 1 OFFSET 700"));
     REQUIRE(row.size() == 8);
     // A script that its policy does not name looks at the first ticks for a minus before zero,
     // moves the slider to that tick, keeps what stands there, goes as close as it can, and presses
     // play.
     write(page, replaced(slurp(page), "Content-Security-Policy", "none") +
-                    fmt::format(
-                        "<script>var s = document.querySelector('.stage input'), p = "
-                        "document.querySelector('.stage p'), data = document.body.dataset; "
-                        "function go(to) {{ s.value = to; s.dispatchEvent(new Event('input')); }} "
-                        "data.minus = 0; for (var t = 0; t < 300; ++t) {{ go(t); "
-                        "if (/-0\\.0+\\b/.test(p.textContent)) ++data.minus; }} go({}); "
-                        "data.at = s.getAttribute('aria-valuetext') + '|' + p.textContent; "
-                        "for (t = 0; t < 40; ++t) document.querySelector('.live button').click(); "
-                        "data.closest = document.querySelector('.live output').textContent; "
-                        "document.querySelector('.stage button').click();</script>",
-                        row[0]));
+                    replaced(test_text("scripts/play.html"), "TICK", row[0]));
     const Browsed shown = browsed(folder, page, "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");
         return;
     }
     CHECK_THAT(shown.done.error, !Has("CONSOLE"));
-    const std::size_t at = shown.done.out.find("class=\"stage\"");
-    REQUIRE(at != std::string::npos);
-    const std::string stage = shown.done.out.substr(at, shown.done.out.find("</p>", at) - at);
+    const std::string stage = behind(shown.done.out, "class=\"stage\"", "</p>");
     const auto number = [&](std::size_t i) {
         return std::stod(row.at(i));
     };

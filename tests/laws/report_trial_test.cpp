@@ -7,17 +7,13 @@ namespace {
 
 constexpr const char* kCode = "Quokka8";
 
-std::string session_of(const TemporaryFolder& folder, const std::string& protocol) {
+std::string session_of(const TemporaryFolder& folder, const std::string& protocol = kFourTrials) {
     std::string file = folder.file("a.sqlite");
     const Finished done =
         palpate_command(run_words(protocol, kCode, file, {"--device", "sim", "--headless"}));
     CAPTURE(done.out, done.error);
     REQUIRE(std::filesystem::exists(file));
     return file;
-}
-
-std::string session_of_four(const TemporaryFolder& folder) {
-    return session_of(folder, kFourTrials);
 }
 
 std::string page_of_trial(const std::string& file, int trial, const Words& words = {}) {
@@ -116,8 +112,7 @@ void check_measures(const std::string& page, const std::string& file, int trial,
     const auto view =
         ask(file, fmt::format("SELECT * FROM exploration WHERE trial_id = {} AND interval = {}",
                               trial, interval));
-    const std::size_t begin = page.find("<h3", page.find("What the hand did"));
-    const std::string table = page.substr(page.find("What the hand did"), begin);
+    const std::string table = behind(page, "What the hand did", "<h3");
     std::size_t looked = 0;
     const auto from = std::ranges::find(view[0], std::string("done_s"));
     for (auto c = static_cast<std::size_t>(from - view[0].begin()); c < view[0].size(); ++c) {
@@ -135,10 +130,8 @@ void check_measures(const std::string& page, const std::string& file, int trial,
         std::ranges::replace(words, '_', ' ');
         const std::string row = "<th scope=\"row\">" + words + "</th><td class=\"n\">";
         CAPTURE(words);
-        const std::size_t at = table.find(row);
-        REQUIRE(at != std::string::npos);
-        std::string cell = table.substr(at + row.size(), 12);
-        cell.resize(cell.find('<'));
+        REQUIRE_THAT(table, Has(row));
+        const std::string cell = behind(table, row, "<");
         if (view[1][c].empty()) {  // as stick events without friction
             continue;
         }
@@ -155,10 +148,9 @@ void check_measures(const std::string& page, const std::string& file, int trial,
 
 TEST_CASE(
     "palpate report --trial draws a trial on one page: the view's measures, every tick of the "
-    "trace, nobody's code",
-    "[report][law]") {
+    "trace, nobody's code") {
     const TemporaryFolder folder;
-    const std::string file = session_of_four(folder);
+    const std::string file = session_of(folder);
     for (const int trial : {1, 4}) {
         const std::string page = page_of_trial(file, trial);
         CAPTURE(trial);
@@ -199,8 +191,7 @@ TEST_CASE(
     CHECK_THAT(page_of_trial(file, 4), Has("<dt>Seal</dt><dd>does not hold"));
 }
 
-TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks",
-          "[report]") {
+TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks") {
     const TemporaryFolder folder;
     SECTION("the force went off: cause and instant") {
         write(folder.file("p.toml"),
@@ -217,12 +208,12 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
         check_ticks(drawn[0], file, 1, 1, false);
     }
     SECTION("two intervals, each with its own") {
-        const std::string file = folder.file("two.sqlite");
-        write(folder.file("p.toml"),
-              short_text("curvature_2afc", {{"explore_min_s = 2", "explore_min_s = 0.4"},
-                                            {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
-                                            {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
-        ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
+        const std::string file = simulated_study(
+            folder,
+            short_text("curvature_2afc", {{"explore_min_s = 2", "explore_min_s = 0.4"},
+                                          {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
+                                          {"explore_timeout_s = 15", "explore_timeout_s = 3"}}),
+            {"--participants", "1"});
         const std::string page = page_of_trial(file, 2);
         const auto drawn = drawn_in(page);
         REQUIRE(drawn.size() == 2);
@@ -248,8 +239,8 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
               cells + 2 * drawn[0]["sticks"].size());  // seen from above and from the front
     }
     SECTION("no ticks, and what is refused") {
-        const std::string file = folder.file("none.sqlite");
-        ran({"simulate", kFourTrials, "--participants", "1", "--no-traces", "--db", file});
+        const std::string file =
+            simulated_study(folder, four_trials(), {"--participants", "1", "--no-traces"});
         const std::string page = page_of_trial(file, 3);
         CHECK_THAT(page, Has("No ticks are kept of this trial") && !Has("<script"));
         check_measures(page, file, 3, 1);
@@ -271,10 +262,9 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     }
 }
 
-TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request",
-          "[report]") {
+TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request") {
     const TemporaryFolder folder;
-    const std::string file = session_of_four(folder);
+    const std::string file = session_of(folder);
     static_cast<void>(page_of_trial(file, 2));
     const Browsed shown = browsed(folder, file + ".html", "--dump-dom");
     if (!shown.there) {
@@ -289,8 +279,7 @@ TEST_CASE("a browser draws every tick of a page of a trial, without an error or 
     CHECK(count_of(page, "<canvas") == 6);  // five strips, and where the hand is
     CHECK_THAT(page, Has("class=\"drawn\""));
     // The script's own sum of what it drew, in steps of what it was given.
-    const std::size_t at = page.find("<output");
-    const std::string cell = page.substr(at, page.find("</output>", at) - at);
+    const std::string cell = behind(page, "<output", "</output>");
     const auto rows =
         ask(file,
             "SELECT count(*), max(time_s), 1000 * min(hip_x_m), 1000 * max(hip_x_m), "
@@ -300,10 +289,9 @@ TEST_CASE("a browser draws every tick of a page of a trial, without an error or 
                Has(fmt::format("0.000 s to {:.3f} s, {} ticks: ", number(rows[1][1]), rows[1][0])));
     std::size_t c = 2;
     for (const std::string words : {"to the right ", "normal ", "friction "}) {
-        const std::size_t low = cell.find(words) + words.size();
-        const std::size_t high = cell.find(" to ", low) + 4;
+        const std::string low = behind(cell, words, ";");
         CAPTURE(words, cell);
-        CHECK(std::fabs(number(cell.substr(low)) - number(rows[1][c++])) < 0.00101);
-        CHECK(std::fabs(number(cell.substr(high)) - number(rows[1][c++])) < 0.00101);
+        CHECK(std::fabs(number(low) - number(rows[1][c++])) < 0.00101);
+        CHECK(std::fabs(number(behind(low, " to ")) - number(rows[1][c++])) < 0.00101);
     }
 }

@@ -30,11 +30,6 @@ const std::string kStrong =
 
 const std::string kAsked = "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
 
-std::string after(const std::string& text, const std::string& mark, std::size_t length) {
-    const std::size_t at = text.find(mark);
-    return at == std::string::npos ? std::string() : text.substr(at, length);
-}
-
 /// Marks the answers of the people from `first` on with a friction.
 void mark_all(const std::string& file, const std::string& friction, int first) {
     sql_edit(file, fmt::format("UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT "
@@ -72,8 +67,7 @@ std::string softness_study(const TemporaryFolder& folder, bool logarithms) {
 
 TEST_CASE(
     "the page's headline is the protocol's primary test by its name, with the numbers of "
-    "palpate stats, and all four tests stand in the flow's table",
-    "[report][stats][law]") {
+    "palpate stats, and all four tests stand in the flow's table") {
     const auto& [primary, title] =
         GENERATE(std::pair{"paired_t", "paired t of the share"},
                  std::pair{"sign_flip", "exact sign-flip test of the share"},
@@ -85,7 +79,7 @@ TEST_CASE(
     const Json part = json_of(joined({"stats", file}, kSimulated))["applied"];
     const Json& first = part["primary"]["on"];
     const std::string page = page_of(file, kSimulated);
-    const std::string fact = after(page, "<dt>on - off, primary test</dt>", 300);
+    const std::string fact = behind(page, "<dt>on - off, primary test</dt>", "</dd>");
     CAPTURE(primary, first.dump(), fact);
     const double estimate = first["estimate"];
     CHECK_THAT(fact,
@@ -106,8 +100,7 @@ TEST_CASE(
     CHECK(count_of(tables, row + "\n") == 2);  // exclusions applied, and not
 }
 
-TEST_CASE("of three frictions stats, page and power say the same one to be primary",
-          "[report][stats][power][law]") {
+TEST_CASE("of three frictions stats, page and power say the same one to be primary") {
     const TemporaryFolder folder;
     // By name it is the last but one: what is primary follows from the friction.
     const std::string file = simulated(folder,
@@ -119,9 +112,8 @@ TEST_CASE("of three frictions stats, page and power say the same one to be prima
     CHECK_THAT(page, Has("<dt>strong - off, primary test</dt>",
                          "<dt>on - off, not the primary comparison</dt>",
                          "<dt>weak - off, not the primary comparison</dt>"));
-    const Words stats = joined({"stats", file}, kSimulated);
-    const std::string text = ran(stats).out;
-    CHECK_THAT(after(text, "Primary test, as", 1000),
+    const std::string text = ran(joined({"stats", file}, kSimulated)).out;
+    CHECK_THAT(text.substr(text.find("Primary test, as"), 1000),
                Has("3 comparisons, no p corrected for the others. The primary one, as in palpate "
                    "power: strong, the largest friction."));
     CHECK_THAT(ran({"power", folder.file("p.toml"), "--effect", "-2", "--observer",
@@ -131,12 +123,11 @@ TEST_CASE("of three frictions stats, page and power say the same one to be prima
                Has("strong against off"));
 }
 
-TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row",
-          "[summary][law]") {
+TEST_CASE("summary's note on sign-flips is of the people who are tested, row by row") {
     const TemporaryFolder folder;
     const std::string file = simulated(folder, kStrong, "7");
     const auto note = [&] {
-        return after(ran({"summary", file}).out, "within person", 900);
+        return behind(ran({"summary", file}).out, "within person", "\n\n");
     };
     CHECK_THAT(note(), Has("sign-flip: all 128 patterns of signs") && !Has("too few"));
     mark_all(file, "strong", 5);
@@ -150,8 +141,7 @@ TEST_CASE("summary's note on sign-flips is of the people who are tested, row by 
                            "0.0625"));
 }
 
-TEST_CASE("the page names every quantity that is not the same, with the audit's verdict",
-          "[report][audit][law]") {
+TEST_CASE("the page names every quantity that is not the same, with the audit's verdict") {
     const TemporaryFolder folder;
     const std::string more = GENERATE(std::string(), kStrong);
     const std::string file = simulated(folder, more, "4");
@@ -174,24 +164,20 @@ TEST_CASE("the page names every quantity that is not the same, with the audit's 
         const std::string title = line.substr(begin, line.find("  ", begin) - begin);
         CAPTURE(line, title);
         if (place < heads.size()) {
-            const std::string said = after(page, heads.at(place), 3000);
-            CHECK_THAT(said.substr(0, said.find("</p>")), Has(title + " ("));
+            CHECK_THAT(behind(page, heads.at(place), "</p>"), Has(title + " ("));
         }
     }
     CHECK(found[0] > 0);
     CHECK(found[2] > 0);
     for (std::size_t i = 0; i < heads.size(); ++i) {
-        const std::string said = after(page, heads.at(i), 3000);
-        CHECK(count_of(said.substr(0, said.find("</p>")), "(rig") +
-                  count_of(said.substr(0, said.find("</p>")), "(hand") ==
-              found.at(i));
+        const std::string said = behind(page, heads.at(i), "</p>");
+        CHECK(count_of(said, "(rig") + count_of(said, "(hand") == found.at(i));
     }
     CHECK_THAT(page, Has(more.empty() ? "start, to the right (rig)"
                                       : "start, to the right (rig, on - off)"));
 }
 
-TEST_CASE("of yes and no the page frames what the signals say, and says so of nothing else",
-          "[report][law]") {
+TEST_CASE("of yes and no the page frames what the signals say, and says so of nothing else") {
     const TemporaryFolder folder;
     const std::string file = simulated(folder, kAsked, "2");
     const std::string unknown = page_of(file, kSimulated);
@@ -207,29 +193,28 @@ TEST_CASE("of yes and no the page frames what the signals say, and says so of no
     }
 }
 
-TEST_CASE("of one friction the page has no table without a row", "[report][law]") {
+TEST_CASE("of one friction the page has no table without a row") {
     const TemporaryFolder folder;
     const std::string text = four_trials();
     const std::size_t off = text.find("[[friction]]");
     const std::size_t on = text.find("[[friction]]", off + 1);
-    write(folder.file("p.toml"),
-          replaced(text.substr(0, off) + text.substr(on), "repetitions = 1", "repetitions = 6"));
-    const std::string file = folder.file("a.sqlite");
-    ran({"simulate", folder.file("p.toml"), "--participants", "3", "--no-traces", "--db", file});
+    const std::string file = simulated_study(
+        folder,
+        replaced(text.substr(0, off) + text.substr(on), "repetitions = 1", "repetitions = 6"),
+        {"--participants", "3", "--no-traces"});
     ran({"participant", file, "S000003", "--consent", "no"});
     const std::string page = page_of(file, kSimulated);
     CHECK_THAT(page, Has("Means over people with 95 % intervals", "3 people had a session") &&
                          !Has("<tbody>\n</tbody>") && !Has("Differences within person"));
 }
 
-TEST_CASE("the cells of a map are of one size, also where they meet the middle of the object",
-          "[report][law]") {
+TEST_CASE("the cells of a map are of one size, also where they meet the middle of the object") {
     const TemporaryFolder folder;
-    write(folder.file("p.toml"),
-          short_text("patch_friction", {{"repetitions = 5", "repetitions = 1"},
-                                        {"practice_repetitions = 1", "practice_repetitions = 0"}}));
-    const std::string file = folder.file("a.sqlite");
-    ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
+    const std::string file = simulated_study(
+        folder,
+        short_text("patch_friction", {{"repetitions = 5", "repetitions = 1"},
+                                      {"practice_repetitions = 1", "practice_repetitions = 0"}}),
+        {"--participants", "1"});
     const std::string map = sources_of(page_of(file, kSimulated)).at("simulated-maps.csv").csv;
     const std::string cells = sql_csv(
         file,
@@ -238,8 +223,7 @@ TEST_CASE("the cells of a map are of one size, also where they meet the middle o
     CHECK(fmt::format("n\n{}\n", count_of(map, "\n") - 1) == cells);
 }
 
-TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands beside its numbers",
-          "[fit][report][export][law]") {
+TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands beside its numbers") {
     const TemporaryFolder folder;
     const std::string log = softness_study(folder, true);
     const std::string plain = softness_study(folder, false);
@@ -279,8 +263,7 @@ TEST_CASE("a logarithm has no Weber fraction, and what a stimulus is stands besi
                    what + ": no curve goes through both; take them apart, --versions apart"));
 }
 
-TEST_CASE("versions that are taken together keep each friction, and no curvature of one of them",
-          "[fit][report][law]") {
+TEST_CASE("versions that are taken together keep each friction, and no curvature of one of them") {
     const TemporaryFolder folder;
     const std::string old = folder.file("old.sqlite");
     std::filesystem::rename(simulated(folder, "", "2"), old);
@@ -295,6 +278,6 @@ TEST_CASE("versions that are taken together keep each friction, and no curvature
     refused(joined({"fit", both}, how), "\"convex\" has no value to be ordered by");
     CHECK(fitted(joined({both, "--item", "convex=8.5"}, how))["values"] == Json{-8.0, 8.5});
     const std::string page = page_of(both, joined(how, {"--simulations", "20"}));
-    const std::string times = after(page, "<figure id=\"times\"", 20000);
-    CHECK_THAT(times.substr(0, times.find("</figure>")), Has(">on</text>", ">rough</text>"));
+    CHECK_THAT(behind(page, "<figure id=\"times\"", "</figure>"),
+               Has(">on</text>", ">rough</text>"));
 }

@@ -4,8 +4,7 @@
 
 // Where answers do not determine a number, fit and stats say so, and why.
 
-TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them",
-          "[fit][law]") {
+TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them") {
     const TemporaryFolder folder;
     write(folder.file("sep.csv"), "stimulus,n,k\n1,20,0\n2,20,0\n3,20,20\n4,20,20\n");
     const Json apart = fitted({folder.file("sep.csv"), "--lapse", "0"})["curves"][0]["threshold"];
@@ -15,8 +14,9 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
     const std::string text = palpate_command({"fit", folder.file("sep.csv")}).out;
     CHECK_THAT(text, Has("not determined: 2 to 3") && !Has("2.5"));
     // On a level with an answer of the other kind a steep curve tends to that level.
-    write(folder.file("edge.csv"), "stimulus,n,k\n1,10,0\n2,10,1\n3,10,10\n");
-    const Json edge = fitted({folder.file("edge.csv"), "--lapse", "0"})["curves"][0]["threshold"];
+    const std::string on_a_level = "stimulus,n,k\n1,10,0\n2,10,1\n3,10,10\n";
+    const Json edge = fitted(
+        {write(folder.file("edge.csv"), on_a_level), "--lapse", "0"})["curves"][0]["threshold"];
     CHECK(edge["estimate"] == 2.0);
     CHECK(edge["profile_95"][0] == 2.0);
     CHECK(edge["profile_95"][1].get<double>() < 3.0);
@@ -28,8 +28,7 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
             two += fmt::format(fmt::runtime(row), who, *who == 'A' ? 0 : 10) + '\n';
         }
     }
-    write(folder.file("two.csv"), two);
-    const Json both = fitted({folder.file("two.csv")});
+    const Json both = fitted({write(folder.file("two.csv"), two)});
     CHECK(both["differences"][0]["p"].get<double>() > 0.999);
     CHECK(both["differences"][0]["difference"].is_null());
     CHECK(both["differences"][0]["why"] == "not determined: that of a condition is not");
@@ -42,8 +41,7 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
     }
 }
 
-TEST_CASE("digits tell an estimate from its interval, and single answers have no goodness of fit",
-          "[fit][law]") {
+TEST_CASE("digits tell an estimate from its interval, and single answers have no goodness of fit") {
     const TemporaryFolder folder;
     std::string near = "stimulus,n,k\n";
     std::string far = near;
@@ -81,8 +79,8 @@ TEST_CASE("digits tell an estimate from its interval, and single answers have no
     CHECK(fitted({folder.file("near.csv")})["curves"][0]["deviance_why"].is_null());
 }
 
-TEST_CASE("where the share does not grow no free rate has a number, unless another curve shares it",
-          "[fit][law]") {
+TEST_CASE(
+    "where the share does not grow no free rate has a number, unless another curve shares it") {
     const TemporaryFolder folder;
     const auto flat = [&](int k) {
         write(folder.file("flat.csv"),
@@ -107,9 +105,8 @@ TEST_CASE("where the share does not grow no free rate has a number, unless anoth
          {std::pair{1, 1}, std::pair{2, 8}, std::pair{3, 15}, std::pair{4, 19}, std::pair{5, 18}}) {
         two += fmt::format("{0},20,{1},A,rises\n{0},20,20,A,flat\n", stimulus, k);
     }
-    write(folder.file("two.csv"), two);
-    const Json both = fitted(
-        {folder.file("two.csv"), "--guess", "free", "--lapse", "shared", "--bootstrap", "0"});
+    const Json both = fitted({write(folder.file("two.csv"), two), "--guess", "free", "--lapse",
+                              "shared", "--bootstrap", "0"});
     for (const Json& curve : both["curves"]) {
         CAPTURE(curve.dump());
         CHECK(curve["lapse"]["estimate"].is_number());
@@ -121,8 +118,7 @@ TEST_CASE("where the share does not grow no free rate has a number, unless anoth
     CHECK(given["curves"][0]["log_likelihood_of"] == "this curve");
 }
 
-TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and --help says so",
-          "[fit][law]") {
+TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and --help says so") {
     CHECK_THAT(std::regex_replace(ran({"fit", "--help"}).out, std::regex("\\s+"), " "),
                Has("threshold=MEAN,SD (weibull: MEDIAN,SD of ln)"));
     const TemporaryFolder folder;
@@ -142,8 +138,8 @@ TEST_CASE("a weibull's prior of its threshold is a median and an sd of ln, and -
     CHECK(threshold(10.0, "8,0.1") == Approx(10.0 * threshold(1.0, "0.8,0.1")).epsilon(1e-6));
 }
 
-TEST_CASE("a response that no shape has is refused by its line, or kept by word", "[stats][law]") {
-    const TemporaryFolder folder;
+TEST_CASE("a response that no shape has is refused by its line, or kept by word") {
+    const TemporaryFile file("t.csv");
     std::string text = "subject,trial,shape,friction,response\n";
     for (int i = 1; i <= 40; ++i) {
         const char* shape = i % 2 == 0 ? "flat" : "round";
@@ -152,8 +148,7 @@ TEST_CASE("a response that no shape has is refused by its line, or kept by word"
                             : i % 5 == 0 ? "flat"
                                          : shape);
     }
-    const std::string file = folder.file("t.csv");
-    std::ofstream(file) << text;
+    write(file, text);
     const auto refused = palpate_command({"stats", file});
     CHECK(refused.code != 0);
     CHECK_THAT(refused.error, Has("t.csv:18", "zzz", "flat, round"));
@@ -162,9 +157,8 @@ TEST_CASE("a response that no shape has is refused by its line, or kept by word"
     CHECK_THAT(kept.out, Has("one of 3 shapes"));
 }
 
-TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio",
-          "[stats][law]") {
-    const TemporaryFolder folder;
+TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio") {
+    const TemporaryFile file("t.csv");
     std::string text = "subject,trial,shape,friction,response\n";
     for (int i = 0; i < 160; ++i) {
         const char* shape = i % 2 == 0 ? "flat" : "round";
@@ -172,11 +166,9 @@ TEST_CASE("a mixed model of a condition that is all right has no effect but a ra
         text += fmt::format("S{},{},{},{},{}\n", i % 8, i, shape, on ? "on" : "off",
                             on || i % 3 != 0 ? shape : "flat");
     }
-    const std::string file = folder.file("t.csv");
-    std::ofstream(file) << text;
-    const Finished done =
-        ran({"stats", file, "--json", "--simulations", "0", "--permutations", "0"});
-    const auto model = nlohmann::json::parse(done.out)["applied"]["mixed_model"]["on"]["laplace"];
+    write(file, text);
+    const Words words{"stats", file, "--simulations", "0", "--permutations", "0"};
+    const Json model = json_of(words)["applied"]["mixed_model"]["on"]["laplace"];
     CHECK(model["effect"].is_null());
     CHECK(model["effect_se"].is_null());
     CHECK(model["sd_effect"].is_null());  // every spread about what has no end is as good
@@ -186,7 +178,6 @@ TEST_CASE("a mixed model of a condition that is all right has no effect but a ra
     CHECK(model["intercept"].is_number());
     CHECK(model["no_effect"]["chi_square"].get<double>() > 4.0);
     CHECK(model["no_effect"]["p"].get<double>() < 0.05);
-    CHECK_THAT(
-        palpate_command({"stats", file, "--simulations", "0", "--permutations", "0"}).out,
-        Has("unbounded: a condition has answers of one kind alone", "the likelihood ratio holds"));
+    CHECK_THAT(ran(words).out, Has("unbounded: a condition has answers of one kind alone",
+                                   "the likelihood ratio holds"));
 }

@@ -113,8 +113,7 @@ std::vector<Words> judged(const TemporaryFolder& folder, const Kind& kind) {
 
 }  // namespace
 
-TEST_CASE("an independent validator and the program judge files alike, by the printed schema",
-          "[schema][law]") {
+TEST_CASE("an independent validator and the program judge files alike, by the printed schema") {
     const TemporaryFolder folder;
     const std::vector<Kind> all = kinds(folder);
     const auto place = GENERATE(range(std::size_t{0}, std::size_t{5}));

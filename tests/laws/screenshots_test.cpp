@@ -18,10 +18,9 @@ std::map<std::string, std::string> pictures_of(const std::string& protocol,
                                                const Words& more = {}) {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), protocol);
-    const Words words = joined({"screenshots", "--protocol", folder.file("p.toml"), "-o",
-                                folder.file("shots"), "--width", "640", "--height", "480"},
-                               more);
-    ran(words);
+    ran(joined({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
+                "--width", "640", "--height", "480"},
+               more));
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
         pictures[entry.path().stem().string()] = slurp(entry.path());
@@ -129,8 +128,7 @@ Drawn drawn_on(const ScreenImage& image, const ui::Card& card) {
 
 }  // namespace
 
-TEST_CASE("a protocol has a picture of every screen that its sessions show, and of no other",
-          "[cli][screen][law]") {
+TEST_CASE("a protocol has a picture of every screen that its sessions show, and of no other") {
     const Names always{"welcome", "ready",          "explore", "choose", "pause",
                        "trouble", "trouble_solved", "stopped", "end"};
     std::string text = replaced(four_trials(), "start_mm", "start_radius_mm = 0\nstart_mm");
@@ -147,8 +145,7 @@ TEST_CASE("a protocol has a picture of every screen that its sessions show, and 
           more);
 }
 
-TEST_CASE("what a protocol says is on the pictures of the screens that it is said on alone",
-          "[cli][screen][law]") {
+TEST_CASE("what a protocol says is on the pictures of the screens that it is said on alone") {
     const std::string text =
         four_trials() + kYesOrNo + "confidence = true\n[instructions.en]\nend = \"Thanks\"\n";
     const auto before = pictures_of(text);
@@ -173,8 +170,7 @@ TEST_CASE("what a protocol says is on the pictures of the screens that it is sai
           Names{"explore", "ready"});
 }
 
-TEST_CASE("pictures speak the protocol's language, or the one that is asked for",
-          "[cli][screen][law]") {
+TEST_CASE("pictures speak the protocol's language, or the one that is asked for") {
     const auto speaking = [](const std::string& language) {
         return replaced(four_trials(), "[apparatus]\n",
                         "language = \"" + language + "\"\n[apparatus]\n") +
@@ -191,8 +187,7 @@ TEST_CASE("pictures speak the protocol's language, or the one that is asked for"
     CHECK(pictures_of(speaking("tr"), {"--language", "en"}) == english);
 }
 
-TEST_CASE("in each language a picture is to the pixel what a session's window shows",
-          "[window][screen][law]") {
+TEST_CASE("in each language a picture is to the pixel what a session's window shows", "[window]") {
     EACH(language, as<std::string>{}, "en", "tr");
     const TemporaryFolder folder;
     std::string text =
@@ -237,8 +232,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
-TEST_CASE("patches are drawn in the light from the left, on a block, and from where is said",
-          "[cli][screen][law]") {
+TEST_CASE("patches are drawn in the light from the left, on a block, and from where is said") {
     const ScreenImage image = question_of("patch_friction", 1280, 800);
     const std::string order =
         palpate_command({"sequence", "patch_friction", "--participant", "P1"}).out;
@@ -271,8 +265,7 @@ TEST_CASE("patches are drawn in the light from the left, on a block, and from wh
     CHECK(said(image) == 2);
 }
 
-TEST_CASE("the frame of the marked answer stands clear of a question of two lines",
-          "[cli][screen][law]") {
+TEST_CASE("the frame of the marked answer stands clear of a question of two lines") {
     const auto [width, height] =
         GENERATE(std::pair{1280, 800}, std::pair{800, 600}, std::pair{1920, 1080});
     CAPTURE(width, height);

@@ -191,8 +191,7 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
 
 }  // namespace
 
-TEST_CASE("sample, render, the views and BIDS name the same segment of a form of many spans",
-          "[free_forms][sample][law]") {
+TEST_CASE("sample, render, the views and BIDS name the same segment of a form of many spans") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");

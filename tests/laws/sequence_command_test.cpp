@@ -1,42 +1,25 @@
-#include "data/store/session_store.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
-/// The plan of a recorded session, as `palpate sequence --csv` writes it but for the block.
-std::string recorded_plan(data::Database& database, std::int64_t session) {
-    auto row = database.prepare(
-        "SELECT plan_position, phase, planned_object, curvature_per_m, friction, mu_s, mu_d, "
-        "break_before FROM plan WHERE session_id = ?1 ORDER BY plan_position",
-        session);
-    std::string text =
-        "position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n";
-    while (row.step()) {
-        text += fmt::format("{},{},0,{},{},{},{},{},{}\n", row.integer(0), row.text(1), row.text(2),
-                            row.real(3), row.text(4), row.real(5), row.real(6), row.integer(7));
-    }
-    return text;
-}
-
-std::string recorded_pictures(data::Database& database, std::int64_t session) {
-    auto row = database.prepare(
-        "SELECT picture_object FROM picture WHERE session_id = ?1 ORDER BY picture_place", session);
-    std::string text = "pictures, left to right:";
-    while (row.step()) {
-        text += ' ' + row.text(0);
-    }
-    return text + '\n';
-}
-
 /// What sequence says of a session in a database, against what was run there.
 void check_against(const std::string& file, std::int64_t session, const Words& words) {
-    data::Database database(file, data::Access::read);
-    const auto plan =
-        database.first("SELECT plan_sha256 FROM session WHERE session_id = ?1", session);
+    const std::string of = fmt::format(" WHERE session_id = {}", session);
     const Words command = joined({"sequence"}, words);
     CHECK_THAT(ran(command).out,
-               Has("plan " + plan.text(0) + '\n', recorded_pictures(database, session)));
-    CHECK(ran(joined(command, {"--csv"})).out == recorded_plan(database, session));
+               Has("plan " + sql_first(file, "SELECT plan_sha256 FROM session" + of) + '\n',
+                   "pictures, left to right: " +
+                       sql_first(file,
+                                 "SELECT group_concat(picture_object, ' ') FROM (SELECT "
+                                 "picture_object FROM picture" +
+                                     of + " ORDER BY picture_place)") +
+                       '\n'));
+    CHECK(ran(joined(command, {"--csv"})).out ==
+          sql_csv(file,
+                  "SELECT plan_position AS position, phase, 0 AS block, planned_object AS "
+                  "object, curvature_per_m, friction, mu_s, mu_d, break_before FROM plan" +
+                      of + " ORDER BY 1"));
 }
 
 Words words_of_run(const std::string& participant, const std::string& file) {
@@ -45,7 +28,7 @@ Words words_of_run(const std::string& participant, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("sequence prints exactly the plan that is run, before and after", "[sequence][law]") {
+TEST_CASE("sequence prints exactly the plan that is run, before and after") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
     ran({"sequence", "shape_friction_demo", "--participant", "demo"});
@@ -54,18 +37,15 @@ TEST_CASE("sequence prints exactly the plan that is run, before and after", "[se
     check_against(file, 1, {"shape_friction_demo", "--participant", "demo", "--db", file});
 }
 
-TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
+TEST_CASE("sequence knows another seed, another session, and who already ran") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
-    {  // as if a person had been there: the next row of pictures depends on it
-        data::Database database(file, data::Access::write);
-        database.execute("UPDATE session SET session_kind = 'real'");
-    }
+    // As if a person had been there: the next row of pictures depends on it.
+    sql_edit(file, "UPDATE session SET session_kind = 'real'");
     const Words next = {"shape_friction_demo", "--participant", "P2", "--db", file, "--seed", "5"};
-    const Words command = joined({"sequence"}, next);
-    const Finished announced = palpate_command(command);
+    const Finished announced = palpate_command(joined({"sequence"}, next));
     const Words run = joined(words_of_run("P2", file), {"--seed", "5"});
-    CHECK_THAT(ran(run).out, Has(announced.out.substr(announced.out.find("code "), 14)));
+    CHECK_THAT(ran(run).out, Has("code " + behind(announced.out, "code ").substr(0, 9)));
     check_against(file, 2, {"shape_friction_demo", "--participant", "P2", "--db", file});
     CHECK_THAT(announced.out, Has("used by 0 other participants"));
 
@@ -73,25 +53,21 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
     const Words again = joined(words_of_run("P2", file), {"--session", "2"});
     const std::string code = ran(joined(joined({"sequence"}, second), {"--kind", "simulated"})).out;
-    CHECK_THAT(ran(again).out, Has(code.substr(code.find("code "), 14)));
+    CHECK_THAT(ran(again).out, Has("code " + behind(code, "code ").substr(0, 9)));
     check_against(file, 3, second);
 }
 
-TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
+TEST_CASE("a session with a plan of another algorithm is refused, not mixed") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
-    {
-        data::Database database(file, data::Access::write);
-        database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
-    }
+    sql_edit(file, "UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
     CHECK_THAT(ran(words_of_run("P1", file), 1).error, Has("begun with another plan"));
     CHECK_THAT(
         ran({"sequence", "shape_friction_demo", "--participant", "P1", "--db", file}, 2).error,
         Has("begun with another version", "table plan"));
 }
 
-TEST_CASE("the plan of a session that was run under another code is printed as it was run",
-          "[sequence][law]") {
+TEST_CASE("the plan of a session that was run under another code is printed as it was run") {
     const TemporaryFile file("d.sqlite");
     ran(words_of_run("P1", file));
     ran({"participant", file, "P5", "--new"});
@@ -99,18 +75,7 @@ TEST_CASE("the plan of a session that was run under another code is printed as i
     check_against(file, 1, {"shape_friction_demo", "--participant", "P5", "--db", file});
 }
 
-TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") {
-    const TemporaryFolder folder;
-    ran({"sequence", "shape_friction_demo"}, 2);
-    ran({"sequence", "shape_friction_demo", "--participant", "a b"}, 2);
-    ran({"sequence", "no_such_study", "--participant", "P"}, 2);
-    CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "P", "--db",
-                           folder.file("none.sqlite")})
-              .code != 0);
-    CHECK(folder.names().empty());
-}
-
-TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
+TEST_CASE("sequence prints the exact plan of a file, and an example without one") {
     const TemporaryFile file("study.sqlite");
     const auto sequence = [&](const std::string& code, bool of_file) {
         return palpate_command(
@@ -128,10 +93,11 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
     CHECK(sequence("P02", true).error.empty());
     REQUIRE(run("P02") == 0);
     CHECK(sequence("P02", true).out == next);
-    data::Database database(file, data::Access::read);
-    for (const auto& row : database.prepare("SELECT plan_position || ',' || phase || ',0,' || "
-                                            "planned_object FROM plan WHERE session_id = 2")) {
-        CHECK_THAT(next, Has('\n' + row.text(0)));
+    for (const std::string& row : lines_in(
+             sql_lines(file,
+                       "SELECT plan_position || ',' || phase || ',0,' || planned_object FROM plan "
+                       "WHERE session_id = 2"))) {
+        CHECK_THAT(next, Has('\n' + row));
     }
     CHECK_THAT(palpate_command({"sequence", "shape_friction_demo", "--participant", "P02"}).out,
                Has("An example"));

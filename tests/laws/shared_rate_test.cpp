@@ -2,56 +2,25 @@
 
 namespace {
 
-struct Counted {
-    const char* person;
-    const char* condition;
-    std::array<int, 8> hits;  ///< of 40, at 1 to 8
-};
-
-/// Drawn from normal curves of thresholds 3.5, 4.2 and 3, slopes 1.2, 0.9 and 1.5, and a lapse rate
-/// of 0.05.
-constexpr std::array<Counted, 6> kPeople{{{"P0", "a", {0, 4, 12, 23, 37, 39, 34, 39}},
-                                          {"P0", "b", {0, 0, 6, 21, 31, 38, 38, 38}},
-                                          {"P0", "c", {0, 1, 18, 35, 38, 37, 36, 38}},
-                                          {"P1", "a", {0, 1, 8, 29, 36, 39, 39, 38}},
-                                          {"P1", "b", {0, 0, 6, 16, 32, 36, 40, 39}},
-                                          {"P1", "c", {0, 3, 21, 36, 39, 38, 39, 36}}}};
+/// Hits of 40 at 1 to 8, drawn from normal curves of thresholds 3.5, 4.2 and 3, slopes 1.2, 0.9 and
+/// 1.5, and a lapse rate of 0.05.
+const std::string kPeople = test_text("shared_lapse.csv");
 
 /// The same of thresholds 4.5 and 5.2 and a guess rate of 0.2, without lapses.
-constexpr std::array<Counted, 4> kGuessing{{{"P0", "a", {7, 12, 11, 13, 31, 40, 40, 40}},
-                                            {"P0", "b", {9, 12, 10, 18, 27, 35, 40, 40}},
-                                            {"P1", "a", {9, 12, 7, 19, 34, 39, 40, 40}},
-                                            {"P1", "b", {12, 8, 7, 12, 27, 32, 40, 40}}}};
-
-std::string table(const auto& all) {
-    std::string text = "stimulus,n,k,participant,condition\n";
-    for (const auto& one : all) {
-        for (std::size_t i = 0; i < one.hits.size(); ++i) {
-            text +=
-                fmt::format("{},40,{},{},{}\n", i + 1, one.hits.at(i), one.person, one.condition);
-        }
-    }
-    return text;
-}
-
-/// The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and
-/// the first threshold; the likelihood ratio's p of equal thresholds and slopes of the first two.
-const std::string kInR = test_text("scripts/joint_fit.R");
+const std::string kGuessing = test_text("shared_guess.csv");
 
 }  // namespace
 
 TEST_CASE(
     "one rate of all conditions, of lapses or guesses, is that of R's joint likelihood, its "
-    "intervals and p too",
-    "[fit][law]") {
+    "intervals and p too") {
     EACH(guess, false, true);
     const std::string rate = guess ? "guess" : "lapse";
     const std::size_t conditions = guess ? 2 : 3;
     const Words asked =
         guess ? Words{"--guess", "shared", "--lapse", "0"} : Words{"--lapse", "shared"};
-    const TemporaryFolder folder;
-    const std::string csv = folder.file("d.csv");
-    write(csv, guess ? table(kGuessing) : table(kPeople));
+    const TemporaryFile csv("d.csv");
+    write(csv, guess ? kGuessing : kPeople);
     const auto with = [&](const Words& words) {
         return joined(words, asked);
     };
@@ -70,8 +39,9 @@ TEST_CASE(
                   all["curves"][conditions * person][rate]["bootstrap_95"]);
         }
     }
-    write(folder.file("joint.R"), kInR);
-    const Finished r = Process({"Rscript", folder.file("joint.R"), csv, rate}).wait();
+    // The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and
+    // the first threshold; the likelihood ratio's p of equal thresholds and slopes of the first two.
+    const Finished r = Process({"Rscript", script("joint_fit.R"), csv, rate}).wait();
     if (r.code != 0) {
         REQUIRE_FALSE(has_r());
         return;
@@ -99,33 +69,27 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "intervals of a shared lapse rate hold the truth of simulated people, and it is off by nothing",
-    "[fit][law]") {
-    struct Drawn {
-        std::string person;
-        const char* condition;
-        std::array<int, 8> hits{};
-    };
+    "intervals of a shared lapse rate hold the truth of simulated people, and it is off by "
+    "nothing") {
     constexpr double kLapse = 0.05;
     constexpr int kMany = 40;
-    constexpr std::size_t kFew = 8;
+    constexpr int kFew = 8;
     std::mt19937_64 random(11);
-    std::vector<Drawn> all;
+    std::string all = "stimulus,n,k,participant,condition\n";
+    std::string few;
     for (int person = 0; person < kMany; ++person) {
+        few = person == kFew ? all : few;
         for (const auto& [condition, threshold] : {std::pair{"a", 3.4}, std::pair{"b", 4.1}}) {
-            Drawn one{fmt::format("P{}", person), condition};
-            for (std::size_t i = 0; i < 8; ++i) {
-                const double z = static_cast<double>(i + 1) - threshold;
+            for (int stimulus = 1; stimulus <= 8; ++stimulus) {
                 std::binomial_distribution<int> hits(
-                    40, (1.0 - kLapse) * 0.5 * std::erfc(-z / std::sqrt(2.0)));
-                one.hits.at(i) = hits(random);
+                    40, (1.0 - kLapse) * 0.5 * std::erfc((threshold - stimulus) / std::sqrt(2.0)));
+                all += fmt::format("{},40,{},P{},{}\n", stimulus, hits(random), person, condition);
             }
-            all.push_back(one);
         }
     }
-    const TemporaryFolder folder;
-    write(folder.file("d.csv"), table(all));
-    const Json of_all = fitted({folder.file("d.csv"), "--lapse", "shared", "--bootstrap", "0"});
+    const TemporaryFile file("d.csv");
+    write(file, all);
+    const Json of_all = fitted({file, "--lapse", "shared", "--bootstrap", "0"});
     int held = 0;
     double sum = 0.0;
     double squares = 0.0;
@@ -146,11 +110,11 @@ TEST_CASE(
           3.5 * std::sqrt(0.95 * 0.05 / kMany));
     CHECK(std::fabs(mean - kLapse) < 0.1 * sd + 3.5 * sd / std::sqrt(kMany));
     // With a rate of each curve's own the two conditions differ, and each is known less well.
-    write(folder.file("few.csv"), table(std::vector<Drawn>(all.begin(), all.begin() + 2 * kFew)));
-    const Json own = fitted({folder.file("few.csv"), "--lapse", "free", "--bootstrap", "0"});
+    write(file, few);
+    const Json own = fitted({file, "--lapse", "free", "--bootstrap", "0"});
     double of_own = 0.0;
     double of_shared = 0.0;
-    for (std::size_t i = 0; i < 2 * kFew; ++i) {
+    for (std::size_t i = 0; i < 2 * std::size_t{kFew}; ++i) {
         const auto width = [&](const Json& from) {
             const Json& ends = from["curves"][i]["lapse"]["profile_95"];
             return ends[1].get<double>() - ends[0].get<double>();
@@ -161,9 +125,9 @@ TEST_CASE(
     CHECK(of_shared < 0.85 * of_own);
 }
 
-TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
+TEST_CASE("a rate that is shared with no other condition is free") {
     const TemporaryFile csv("d.csv");
-    write(csv, table(std::array<Counted, 1>{kPeople[0]}));
+    write(csv, kPeople.substr(0, kPeople.find("P0,b") - std::string("1,40,0,").size()));
     Json shared = fitted({csv, "--lapse", "shared", "--bootstrap", "60", "--guess", "lapse"});
     Json free = fitted({csv, "--lapse", "free", "--bootstrap", "60", "--guess", "lapse"});
     for (const char* what : {"estimate", "profile_95"}) {
@@ -176,9 +140,9 @@ TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
           Approx(ends[0].get<double>()).epsilon(1e-4));
 }
 
-TEST_CASE("a guess rate and a lapse rate that are both shared are refused", "[fit]") {
+TEST_CASE("a guess rate and a lapse rate that are both shared are refused") {
     const TemporaryFile file("d.csv");
-    write(file, table(kGuessing));
+    write(file, kGuessing);
     CHECK_THAT(ran({"fit", file, "--guess", "shared", "--lapse", "shared"}, 2).error,
                Has("give one of them as free or as a number"));
 }

@@ -23,8 +23,7 @@ std::string written(const TemporaryFolder& folder, const Short& one) {
 }  // namespace
 
 TEST_CASE(
-    "every shipped protocol runs by itself, stores what was planned, and verify finds nothing",
-    "[shipped][law]") {
+    "every shipped protocol runs by itself, stores what was planned, and verify finds nothing") {
     const Short one =
         GENERATE(Short{"curvature_2afc", {{"trials = 60", "trials = 5"}}, 14, 28, 10},
                  Short{"friction_threshold",

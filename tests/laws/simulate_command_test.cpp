@@ -1,7 +1,6 @@
-#include <nlohmann/json.hpp>
-
 #include "protocols/file/observer_file.hpp"
 #include "data/store/database.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/sql_first.hpp"
@@ -36,16 +35,13 @@ std::string content(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("any number of threads simulates the same bytes, and shards merged are the same study",
-          "[simulate][law]") {
+TEST_CASE("any number of threads simulates the same bytes, and shards merged are the same study") {
     const TemporaryFolder folder;
     const std::string one = folder.file("one.sqlite");
     ran(simulate({"--db", one, "--threads", "1"}));
     for (const char* threads : {"2", "5"}) {
         const std::string file = folder.file(std::string("t") + threads + ".sqlite");
-        const auto ran = palpate_command(simulate({"--db", file, "--threads", threads}));
-        CAPTURE(threads, ran.error);
-        REQUIRE(ran.code == 0);
+        ran(simulate({"--db", file, "--threads", threads}));
         CHECK(slurp(file) == slurp(one));
     }
     Words merge{"merge", "--expect", "3", folder.file("all.sqlite")};
@@ -108,8 +104,8 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
 }
 
-TEST_CASE("a simulation follows no link that somebody laid beside its file, and removes no other's",
-          "[simulate][law]") {
+TEST_CASE(
+    "a simulation follows no link that somebody laid beside its file, and removes no other's") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
     const std::string mine = folder.file("mine");
@@ -124,8 +120,7 @@ TEST_CASE("a simulation follows no link that somebody laid beside its file, and 
     CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
-TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes",
-          "[simulate][law]") {
+TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.sqlite");
     const std::string people = "8";
@@ -158,27 +153,20 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     CHECK(broken_off(stopped, SIGTERM, scratch) == 3);
     CHECK(fs::exists(stopped + ".partial"));
     CHECK(fs::is_empty(folder.file("scratch")));
-    const Words words = joined(simulate({"--db", stopped}, people), scratch);
-    CHECK_THAT(ran(words).out, !Has("S000001"));
+    CHECK_THAT(ran(joined(simulate({"--db", stopped}, people), scratch)).out, !Has("S000001"));
     CHECK(slurp(stopped) == slurp(whole));
     CHECK(fs::is_empty(folder.file("scratch")));
     const Words left{"killed.sqlite", "scratch", "stopped.sqlite", "whole.sqlite"};
     CHECK(folder.names() == left);
 }
 
-TEST_CASE("a file that is whole is left, and one of something else is refused", "[simulate][law]") {
+TEST_CASE("a file that is whole is left, and one of something else is refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const Words same = simulate({"--db", file, "--no-traces"}, "2");
     ran(same);
     const std::string bytes = slurp(file);
     CHECK_THAT(ran(same).out, Has("already done"));
-    const auto refused = [&](const Words& words, const std::string& why) {
-        const auto ran = palpate_command(words);
-        CAPTURE(why);
-        check_end(ran, 2, Has(why));
-        CHECK(slurp(file) == bytes);
-    };
     refused(simulate({"--db", file, "--no-traces"}, "3"), "2 participants other than the 3");
     refused(simulate({"--db", file, "--no-traces", "--shard", "0/2"}, "4"), "other than the 2");
     refused(simulate({"--db", file}, "2"), "without ticks");
@@ -194,13 +182,13 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
     refused({"simulate", kFourTrials, "--observer", folder.file("bad.toml"), "--db", file},
             "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
+    CHECK(slurp(file) == bytes);
 
     CHECK_THAT(ran({"verify", file}).out, Has("0 ticks replayed, nothing differs"));
     ran({"summary", file});
 }
 
-TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed",
-          "[simulate][law]") {
+TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed") {
     const TemporaryFile file("d.sqlite");
     ran(simulate({"--db", file}, "2"));
     sql_edit(file,
@@ -210,8 +198,7 @@ TEST_CASE("verify asks the drawn person again: an observer that was not the one 
     CHECK_THAT(ran({"verify", file}, 1).out, Has("response.reaction_s"));
 }
 
-TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none",
-          "[simulate][law]") {
+TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none") {
     const TemporaryFolder folder;
     write(folder.file("study.toml"),
           edited(slurp(kFourTrials), {{"repetitions = 1", "repetitions = 5"},
@@ -227,10 +214,9 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
         fs::remove(file);
         ran({"simulate", folder.file("study.toml"), "--participants", "6", "--observer",
              folder.file("observer.toml"), "--db", file, "--no-traces"});
-        const Finished stats = ran({"stats", file, "--kind", "simulated", "--json",
-                                    "--permutations", "0", "--simulations", "0"});
-        return nlohmann::json::parse(stats.out)
-            .at(nlohmann::json::json_pointer("/applied/measures/d_prime/effects/on/interval_95"))
+        return json_of({"stats", file, "--kind", "simulated", "--permutations", "0",
+                        "--simulations", "0"})
+            .at(Json::json_pointer("/applied/measures/d_prime/effects/on/interval_95"))
             .get<std::vector<double>>();
     };
     CHECK(difference("noise_factor_per_mu = 60\n").back() < 0.0);
@@ -239,23 +225,17 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
     CHECK(none.back() > 0.0);
 }
 
-TEST_CASE("a study whose ticks were not kept has none in sample, and is reported without maps",
-          "[simulate][report]") {
+TEST_CASE("a study whose ticks were not kept has none in sample, and is reported without maps") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    const auto succeeds = [](const Words& words) {
-        const Finished done = ran(words);
-        return done.out;
-    };
-    (void)succeeds(
-        {"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
+    ran({"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
     CHECK(sql_csv(file, "SELECT count(*) AS n FROM sample") == "n\n0\n");
     for (const char* name : {"sample", "SAMPLE"}) {  // SQL takes names in any letters
         CHECK_THAT(palpate_command({"sql", file, "-c", std::string("SELECT 1 FROM ") + name}).error,
                    Has("no ticks are kept in this file: sample has no row"));
     }
     const std::string page = folder.file("a.html");
-    (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
+    ran({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), Has("No ticks are kept of these trials"));
     const Finished again = ran(run_words("shape_friction_demo", "S000001", folder.file("b.sqlite"),
                                          {"--headless", "--device", "replay:" + file}),
@@ -263,7 +243,7 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     CHECK_THAT(again.error, Has("has no ticks: it was simulated with --no-traces"));
 }
 
-TEST_CASE("what simulate names as next looks at the answers of any protocol", "[simulate]") {
+TEST_CASE("what simulate names as next looks at the answers of any protocol") {
     const TemporaryFolder folder;
     const std::string rating =
         "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n";
@@ -276,11 +256,7 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
         const std::string file = folder.file(command + ".sqlite");
         const Finished made = ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db",
                                    file, "--no-traces"});
-        const std::string mark = "Next: palpate ";
-        const std::size_t at = made.out.find(mark);
-        REQUIRE(at != std::string::npos);
-        std::istringstream line(made.out.substr(at + mark.size()));
-        const Words words{std::istream_iterator<std::string>(line), {}};
+        const Words words = split(behind(made.out, "Next: palpate "), ' ');
         CHECK(words.front() == command);
         CHECK_THAT(ran(words).out, Has("simulated"));
     }

@@ -14,8 +14,7 @@ std::string soft_study() {
 
 }  // namespace
 
-TEST_CASE("an episode is one coming into contact of soft objects too, and no free tick is cut",
-          "[soft][law]") {
+TEST_CASE("an episode is one coming into contact of soft objects too, and no free tick is cut") {
     const TemporaryFolder folder;
     const std::string file = folder.file("soft.toml");
     const std::string db = folder.file("soft.sqlite");

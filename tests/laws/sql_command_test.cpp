@@ -12,8 +12,7 @@ const std::string& demo_file() {
 }
 
 Finished sql(const std::string& query, const Words& words = {}) {
-    const Words command = joined({"sql", demo_file(), "-c", query}, words);
-    return palpate_command(command);
+    return palpate_command(joined({"sql", demo_file(), "-c", query}, words));
 }
 
 std::string extension() {
@@ -21,23 +20,8 @@ std::string extension() {
     return found.out.substr(0, found.out.find('\n'));
 }
 
-/// Columns of every kind, of one trial and of all.
-const char* const kQueries[] = {
-    "SELECT tick, time_s, hip_x_m, hip_vy_m_per_s, rendered_normal_n, rendered_tangential_n, "
-    "commanded_x_n, mu, flags, code_1 FROM sample WHERE "
-    "trial_id = 3 AND tick % 97 = 0",
-    "SELECT trial_id, count(*), avg(rendered_normal_n), sum(mode = 'slip'), max(hip_vx_m_per_s) "
-    "FROM sample GROUP "
-    "BY trial_id",
-    "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), "
-    "normal_cdf(1)",
-    "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), "
-    "share(correct) FROM analysis_trial GROUP BY friction",
-    "SELECT trial_id, quantile(done_s, 0.5) OVER w, geometric_mean(done_s) OVER w, "
-    "stddev_samp(done_s) OVER w, share(correct) OVER w, mutual_information(planned_object, "
-    "chosen_object) OVER w, people_mean_low(done_s) OVER w FROM analysis_trial WINDOW w AS (ORDER "
-    "BY trial_id ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
-};
+/// Columns of every kind, of one trial and of all: a query a line.
+const Words kQueries = lines_in(test_text("sql_queries.sql"));
 
 /// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the
 /// letter.
@@ -64,7 +48,7 @@ void check_same(const std::string& ours, const std::string& theirs) {
 
 }  // namespace
 
-TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
+TEST_CASE("palpate sql prints tables, CSV and JSON") {
     const Finished table = sql("SELECT 'a, \"b\"' AS text, 1.5 AS x, NULL AS n, '' AS e");
     CHECK(table.code == 0);
     CHECK(table.out == "text    x    n  e\n------  ---  -  -\na, \"b\"  1.5\n");
@@ -84,21 +68,14 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
     CHECK(sql("SELECT 9e999 AS x, -9e999 AS y, 9e999 - 9e999 AS z", {"--json"}).out ==
           "[{\"x\": 1e999, \"y\": -1e999, \"z\": null}]\n");
     // A table shows the beginning of what is long, in whole characters.
-    const auto repeated = [](std::string_view text, int times) {
-        std::string all;
-        for (int i = 0; i < times; ++i) {
-            all += text;
-        }
-        return all;
-    };
     const std::string wide = "SELECT replace(hex(zeroblob(1000)), '0', 'ö') AS t";
     CHECK_THAT(sql(wide + ", zeroblob(501) AS b").out,
-               Has("\n" + repeated("ö", 1000) + "…  " + repeated("0", 1000) + "…\n"));
-    CHECK(sql(wide, {"--csv"}).out == "t\n" + repeated("ö", 2000) + "\n");
+               Has(fmt::format("\n{0:ö>1000}…  {0:0>1000}…\n", "")));
+    CHECK(sql(wide, {"--csv"}).out == fmt::format("t\n{:ö>2000}\n", ""));
     CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
 }
 
-TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost", "[sql]") {
+TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost") {
     std::string sentence;  // of trace_column
     for (const std::string& line : lines_in(sql(".tables").out)) {
         CHECK(line.size() <= 110);
@@ -115,20 +92,19 @@ TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost",
     CHECK_THAT(sql(".help").out, Has("n of n hits count as n - 1/2"));
 }
 
-TEST_CASE("the queries that .help recommends run, and find something", "[sql]") {
+TEST_CASE("the queries that .help recommends run, and find something") {
     const Words queries = between(sql(".help").out, "SELECT", ";");
     REQUIRE(queries.size() == 1);
     const Finished found = ended(sql("SELECT" + queries.front(), {"--csv"}));
     CHECK(found.out.find('\n') + 1 < found.out.size());
 }
 
-TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
+TEST_CASE("what SQLite refuses comes with its place, and exit code 1") {
     const Finished wrong = sql("SELECT count(*)\nFROM trial\nWHERE fnord = 1");
     CHECK(wrong.code == 1);
     CHECK(wrong.error == "palpate: 3:7: no such column: fnord\n  WHERE fnord = 1\n        ^\n");
     CHECK_THAT(sql("SELEC 1").error, Has("palpate: 1:1: near \"SELEC\": syntax error"));
-    const Finished refused = sql("SELECT wilson_low(3, 2)");
-    check_end(refused, 1, Has("0 <= k <= n"));
+    check_end(sql("SELECT wilson_low(3, 2)"), 1, Has("0 <= k <= n"));
     CHECK(sql(".nothing").code == 1);
     for (const char* nothing : {"", ";", " ;; ", "-- x", "/* x */;"}) {
         check_end(sql(nothing), 2, Has("there is no statement in it: give SQL"));
@@ -136,7 +112,7 @@ TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") 
     CHECK(palpate_command({"sql", "/nowhere/a.sqlite", "-c", "SELECT 1"}).code != 0);
 }
 
-TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
+TEST_CASE("palpate sql changes nothing, whatever it is asked") {
     const std::string before = sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out;
     const TemporaryFolder folder;
     for (const std::string& query :
@@ -157,7 +133,7 @@ TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
     CHECK(sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out == before);
 }
 
-TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
+TEST_CASE("the shell reads statements of many lines from a pipe, and words") {
     const TemporaryFile file("in.sql");
     std::ofstream(file)
         << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
@@ -174,11 +150,11 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
     CHECK(sql(".quit\nSELECT 1").out.empty());
 }
 
-TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
+TEST_CASE("sqlite3 with the extension says what palpate sql says") {
     if (!others_load_extension() || !installed("sqlite3", {"sqlite3", "--version"})) {
         return;
     }
-    for (const char* query : kQueries) {
+    for (const std::string& query : kQueries) {
         CAPTURE(query);
         const Finished theirs = ended(Process({"sqlite3", "-readonly", "-csv", "-cmd",
                                                ".load " + extension(), demo_file(), query})
@@ -187,63 +163,37 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
     }
 }
 
-TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
+TEST_CASE("Python with the extension says what palpate sql says") {
     if (!others_load_extension()) {
         return;
     }
     // Some Pythons are built without extensions.
-    std::string python;
-    for (const char* one : {"/usr/bin/python3", "python3"}) {
-        const auto has =
-            Process({one, "-c", "import sqlite3; sqlite3.Connection.enable_load_extension"}).wait();
-        if (python.empty() && has.code == 0) {
-            python = one;
-        }
-    }
-    if (python.empty()) {
+    const Words pythons{"/usr/bin/python3", "python3"};
+    const auto python = std::ranges::find_if(pythons, [](const std::string& one) {
+        const std::string loads = "import sqlite3; sqlite3.Connection.enable_load_extension";
+        return Process({one, "-c", loads}).wait().code == 0;
+    });
+    if (python == pythons.end()) {
         WARN("no python3 whose sqlite3 loads extensions: not checked");
         return;
     }
-    constexpr const char* kScript =
-        "import sqlite3, sys\n"
-        "db = sqlite3.connect(sys.argv[1])\n"
-        "db.enable_load_extension(True)\n"
-        "db.load_extension(sys.argv[2])\n"
-        "for row in db.execute(sys.argv[3]):\n"
-        "    print(*('' if v is None else v for v in row), sep=',')\n";
-    for (const char* query : kQueries) {
+    for (const std::string& query : kQueries) {
         CAPTURE(query);
-        const Finished theirs =
-            ended(Process({python, "-c", kScript, demo_file(), extension(), query}).wait());
+        const Finished theirs = ended(
+            Process({*python, script("sql_rows.py"), demo_file(), extension(), query}).wait());
         check_same(sql(query, {"--csv"}).out, theirs.out);
     }
 }
 
-TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
-          "[sql][extension][law]") {
+TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree") {
     if (!others_load_extension() ||
         !installed("R with RSQLite", {"Rscript", "-e", "library(RSQLite)"})) {
         return;
     }
-    constexpr const char* kScript =
-        "a <- commandArgs(TRUE)\n"
-        "db <- DBI::dbConnect(RSQLite::SQLite(), a[1], loadable.extensions = TRUE)\n"
-        "invisible(DBI::dbExecute(db, sprintf(\"SELECT load_extension('%s')\", a[2])))\n"
-        "for (query in a[-(1:2)]) {\n"
-        "  r <- DBI::dbGetQuery(db, query)\n"
-        "  r[] <- lapply(r, function(x) if (is.numeric(x)) sprintf('%.17g', x) else x)\n"
-        "  r[r == 'NA'] <- ''\n"
-        "  write.table(r, sep = ',', quote = FALSE, row.names = FALSE, col.names = FALSE, na = "
-        "'')\n"
-        "  cat('end of query\\n')\n"
-        "}\n";
-    const TemporaryFile file("q.R");
-    std::ofstream(file) << kScript;
-    Words words{"Rscript", file, demo_file(), extension()};
-    words.insert(words.end(), std::begin(kQueries), std::end(kQueries));
-    const Finished all = ended(Process(words).wait());
+    const Words words{"Rscript", script("sql_rows.R"), demo_file(), extension()};
+    const Finished all = ended(Process(joined(words, kQueries)).wait());
     std::size_t from = 0;
-    for (const char* query : kQueries) {  // R starts once for all
+    for (const std::string& query : kQueries) {  // R starts once for all
         CAPTURE(query);
         const std::string end = "end of query\n";
         const std::size_t to = all.out.find(end, from);
@@ -252,15 +202,7 @@ TEST_CASE("R with the extension says what palpate sql says, and R's own statisti
         from = to + end.size();
     }
     // binom.test, qnorm, and the integral of d' by R's own quadrature.
-    const Finished r =
-        Process({"Rscript", "-e",
-                 "p <- function(d, m) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), -Inf, "
-                 "Inf, rel.tol = 1e-11)$value\n"
-                 "cat('h\\n'); cat(sprintf('%.15g', c(binom.test(13, 47)$conf.int, qnorm(0.123), "
-                 "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, quantile(c(3, "
-                 "1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
-            .wait();
-    REQUIRE(r.code == 0);
+    const Finished r = ended(Process({"Rscript", script("statistics.R")}).wait());
     std::vector<double> theirs;
     for (const std::string& one : split(r.out.substr(2))) {
         theirs.push_back(std::stod(one));

@@ -6,17 +6,31 @@
 
 namespace {
 
-/// A shipped study whose gate is as it is without a word, for a busy machine.
-std::string gated(const TemporaryFolder& folder, const std::string& name) {
-    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
-    const std::string stiff = "stiffness_n_per_m = 1000";
-    text = text.find(stiff) != std::string::npos ? replaced(text, stiff, "stiffness_n_per_m = 200")
-                                                 : text;
-    const std::string safety = "[safety]\n";
-    const std::string more = safety + "late_in_a_row = 0\nlate_of_100 = 0\n";
-    const bool has = text.find(safety) != std::string::npos;
-    write(folder.file("p.toml"), has ? replaced(text, safety, more) : text + "\n" + more);
-    return folder.file("p.toml");
+/// A pilot on a board, of a study as it is but for a busy machine.
+struct Gated : WindowSession {
+    Gated(const TemporaryFolder& folder,
+          const FreeBoard& board,
+          const std::string& study,
+          const std::string& calibration = "2diy_gen3")
+        : WindowSession(run_words(written(folder, study),
+                                  "P1",
+                                  folder.file("d.sqlite"),
+                                  {"--device", board.word(), "--calibration", calibration, "--kind",
+                                   "pilot", "--windowed"})) {
+        press_at("welcome", "space");
+    }
+    static std::string written(const TemporaryFolder& folder, const std::string& study) {
+        std::string text =
+            all_replaced(study, "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
+        text += text.find("[safety]\n") == std::string::npos ? "\n[safety]\n" : "";
+        return write(
+            folder.file("p.toml"),
+            replaced(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"));
+    }
+};
+
+std::string shipped(const std::string& name) {
+    return slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
 }
 
 /// Presses Space at Ready for some time. @return nothing began
@@ -45,19 +59,11 @@ bool begins(WindowSession& session) {
 
 }  // namespace
 
-TEST_CASE("a trial begins with the handle at the start, and nowhere else",
-          "[window][haply][gate][law]") {
+TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[window][haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    std::string text =
-        replaced(four_trials(), "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
-    std::ofstream(folder.file("p.toml"))
-        << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(
-        folder.file("p.toml"), "P1", file,
-        {"--device", board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"}));
-    session.press_at("welcome", "space");
+    Gated session(folder, board, four_trials());
     CHECK(stays_ready(session));  // at home, 29 mm away
     board.bring("0,20");          // inside all of them
     CHECK(stays_ready(session));
@@ -72,41 +78,31 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
           Words{"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
         const Words words =
             joined(command_of(second), {"--device", board.word(), "--calibration", "2diy_gen3"});
-        const Finished end = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
-        check_end(end, 1, Has("in use by another program, palpate"));
+        check_end(Process(words, {"SDL_VIDEODRIVER=dummy"}).wait(), 1,
+                  Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
     CHECK(session.ask("SELECT min(abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < "
                       "0.0005) FROM presentation") == "1");
     session.program().signal(SIGTERM);
-    const Finished end = session.finish();
-    CHECK(end.code == 3);
-    CHECK_THAT(end.out, Has("four_trials: pilot, participant P1"));
+    CHECK_THAT(ended(session.finish(), 3).out, Has("four_trials: pilot, participant P1"));
     // It is a pilot: that is said before another device is looked for.
     const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
-    const Finished as_real =
-        Process({palpate_program(), "run", folder.file("p.toml"), "--participant", "P1", "--db",
-                 file, "--device", "haply:/nonexistent", "--calibration", rig},
-                {"SDL_VIDEODRIVER=dummy"})
-            .wait();
-    check_end(as_real, 2,
+    const Words as_real =
+        command_of(run_words(folder.file("p.toml"), "P1", file,
+                             {"--device", "haply:/nonexistent", "--calibration", rig}));
+    check_end(Process(as_real, {"SDL_VIDEODRIVER=dummy"}).wait(), 2,
               Has("is a pilot session; it cannot go on as real", "--kind it was begun with",
                   "--session 2"));
 }
 
 TEST_CASE("in a ring that reaches into an object no trial begins where it does",
-          "[window][haply][gate][law]") {
+          "[window][haply]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    std::string text = replaced(four_trials(), "stiffness_n_per_m = 1000",
-                                "start_radius_mm = 60\nstiffness_n_per_m = 200");
-    std::ofstream(folder.file("p.toml"))
-        << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
-    const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(
-        folder.file("p.toml"), "P1", file,
-        {"--device", board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"}));
-    session.press_at("welcome", "space");
+    Gated session(folder, board,
+                  replaced(four_trials(), "stiffness_n_per_m = 1000",
+                           "start_radius_mm = 60\nstiffness_n_per_m = 1000"));
     board.bring("0,20");
     CHECK(stays_ready(session));
     board.bring("0,66");
@@ -117,47 +113,36 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
 
 TEST_CASE(
     "at the second interval, too, the handle comes to the start, and a board that is gone says",
-    "[window][haply][gate][law]") {
+    "[window][haply]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
-    const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(gated(folder, "softness_2afc"), "P1", file,
-                                    {"--device", board->word(), "--calibration", "2diy_gen3",
-                                     "--kind", "pilot", "--windowed"}));
+    Gated session(folder, *board, shipped("softness_2afc"));
     const auto replugged = [&] {
         const std::string back =
             session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
         board->signal(SIGKILL);  // one that ends in its own time is silent before
-        board.reset();
+        unplug(folder, board);
         session.wait_for_screen("trouble");
-        std::filesystem::remove(folder.file("board"));
-        std::filesystem::remove(folder.file("hand"));
         board = std::make_unique<FreeBoard>(folder);
         session.wait_until("SELECT count(*) > " + back +
                                " FROM event WHERE event_kind = "
                                "'reconnect'",
                            "1");
     };
-    session.press_at("welcome", "space");
     session.wait_for_screen("ready");
     replugged();
     leave_trouble(session.hand());
     CHECK(session.ask("SELECT count(*) FROM trial") == "0");
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
                       "'device_lost' AND trial_id IS NULL") == "1");
-    const auto first_felt = [&] {  // a busy machine may end it: then once more
+    REQUIRE(tried(6, [&] {  // a busy machine may end it
         board->bring("0,60");
         REQUIRE(begins(session));
         board->bring("0,66");  // where it is left
         pause(2.5);            // no trial is over sooner
         session.hand().key("space");
         return session.comes_to("ready");
-    };
-    bool felt = false;
-    for (int tries = 0; tries < 6 && !felt; ++tries) {
-        felt = first_felt();
-    }
-    REQUIRE(felt);
+    }));
     const std::string begun = session.ask("SELECT count(*) FROM presentation");
     for (int i = 0; i < 5; ++i) {
         session.hand().key("space");
@@ -174,19 +159,15 @@ TEST_CASE(
     CHECK(session.program().ended_by(SIGTERM) == 3);
     CHECK(session.ask("SELECT abs(start_x_m - 0.001) < 0.0005 AND abs(start_y_m - 0.058) < 0.0005 "
                       "FROM presentation ORDER BY trial_id DESC, interval DESC LIMIT 1") == "1");
-    ran({"verify", file});
+    ran({"verify", session.database()});
 }
 
 TEST_CASE("in space a trial begins within the start's radius, in each direction",
-          "[window][open][gantry][gate][law]") {
+          "[window][open]") {
     const TemporaryFolder folder;
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
-    const std::string file = folder.file("d.sqlite");
-    WindowSession session(run_words(
-        gated(folder, "patch_friction"), "P1", file,
-        {"--device", board.word(), "--calibration", kGantry, "--kind", "pilot", "--windowed"}));
-    session.press_at("welcome", "space");
+    Gated session(folder, board, shipped("patch_friction"), kGantry);
     for (const char* beside : {"8,0,40", "0,-8,40", "0,0,48"}) {
         CAPTURE(beside);
         board.bring(beside);
@@ -197,14 +178,10 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     CHECK(session.program().ended_by(SIGTERM) == 3);
 }
 
-TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
-    const TemporaryFolder folder;
-    std::string text = replaced(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");
-    text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
-    std::ofstream(folder.file("p.toml")) << text;
-    const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window]") {
+    PointerSession session(
+        edited(four_trials(), {{"explore_min_s = 0.5", "explore_min_s = 0.1"},
+                               {"gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3"}}));
     session.go_through({"welcome", "ready", "explore"});
     session.wait_until("SELECT count(*) FROM trial WHERE outcome = 'unanswered'", "1");
     session.wait_for_text("nobody answered in time; runs again later in its block  (4 left)");
@@ -224,5 +201,5 @@ TEST_CASE("a question that nobody answers ends, and its trial runs again", "[win
                       "'complete'") == "4");
     CHECK(session.ask("SELECT unanswered FROM session_health") ==
           session.ask("SELECT count(*) - 4 FROM trial"));
-    ran({"verify", file});
+    ran({"verify", session.database()});
 }

@@ -106,8 +106,7 @@ std::map<std::string, int> compare(const std::string& printed, const Json& ours)
 
 }  // namespace
 
-TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied and not",
-          "[stats][law]") {
+TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied and not") {
     const Finished known =
         Process({"Rscript", "-e", "cat(nzchar(system.file(package = 'lme4')))"}).wait();
     if (known.code != 0) {
@@ -173,7 +172,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
                              HasNone("log-linear", "d'"));
 }
 
-TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[stats]") {
+TEST_CASE("palpate stats prints what its JSON holds, the same every time") {
     const TemporaryFile file("d.csv");
     write(file, made_up(6, 40, false));
     const Words words{file, "--simulations", "60"};
@@ -214,14 +213,13 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
     CHECK(other["applied"]["people"] != part["people"]);
 }
 
-TEST_CASE("palpate stats of a few people says what cannot be known from them", "[stats]") {
+TEST_CASE("palpate stats of a few people says what cannot be known from them") {
     const TemporaryFolder folder;
-    write(folder.file("one.csv"), made_up(1, 30, false));
-    const Finished one = stats({folder.file("one.csv")});
-    CHECK(one.code == 0);
-    CHECK_THAT(one.out, Has("one person: nothing follows for others") && !Has("Mixed model"));
-    write(folder.file("shape.csv"), "subject,trial,shape,friction,response\nA,1,a,off,a\n");
-    CHECK_THAT(stats({folder.file("shape.csv")}).out,
+    CHECK_THAT(ran({"stats", write(folder.file("one.csv"), made_up(1, 30, false))}).out,
+               Has("one person: nothing follows for others") && !Has("Mixed model"));
+    CHECK_THAT(stats({write(folder.file("shape.csv"),
+                            "subject,trial,shape,friction,response\nA,1,a,off,a\n")})
+                   .out,
                Has("Answers name the one shape that was felt", "--alternatives") &&
                    !Has("chance is") && !Has("d'"));
     std::string alike = "subject,trial,shape,friction,response\n";
@@ -236,18 +234,15 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
     for (int i = 0; i < 8; ++i) {
         sure += fmt::format("A,{},a,{},a,1e9\n", i, i % 2 == 0 ? "off" : "on");
     }
-    write(folder.file("sure.csv"), sure);
-    CHECK_THAT(stats({folder.file("sure.csv")}).out, Has("1000000000.000"));
+    CHECK_THAT(stats({write(folder.file("sure.csv"), sure)}).out, Has("1000000000.000"));
     std::string even = "subject,trial,shape,friction,response,rt_s\n";
     for (int i = 0; i < 12 * 30; ++i) {
         even += fmt::format("P{:02},{},{},{},{},1.3\n", i / 30, i % 30 + 1, i % 3 == 0 ? "a" : "b",
                             i % 7 < 3 ? "off" : "on", i % 3 == 0 ? "a" : "b");
     }
-    write(folder.file("even.csv"), even);
-    const Words words{folder.file("even.csv"), "--simulations", "0", "--permutations", "0"};
-    auto json = words;
-    json.emplace_back("--json");
-    const Json all = Json::parse(stats(json).out);
+    const Words words{write(folder.file("even.csv"), even), "--simulations", "0", "--permutations",
+                      "0"};
+    const Json all = numbers_of(words);
     const Json& bits = all["applied"]["people"]["P00"]["friction"]["off"]["bits"];
     CHECK(bits["null_p"].is_null());
     // 14 answers, all right: Miller and Madow's 0.86 + 1 / (28 ln 2) is more than there is.
@@ -275,19 +270,16 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
         less += fmt::format("P{},{},{},{},{}\n", i / 20, i, shape, i / 10 % 2 == 0 ? "off" : "on",
                             i % 10 < right ? shape : wrong);
     }
-    write(folder.file("less.csv"), less);
-    auto of_less = json;
-    of_less.front() = folder.file("less.csv");
     const Json effect =
-        Json::parse(stats(of_less).out)["applied"]["measures"]["share"]["effects"]["on"];
+        numbers_of({write(folder.file("less.csv"), less), "--simulations", "0", "--permutations",
+                    "0"})["applied"]["measures"]["share"]["effects"]["on"];
     CHECK(effect["mean"].get<double>() == Approx(-0.2));
     for (const char* number : {"t", "t_p", "interval_95", "bayes_factor_10"}) {
         CHECK(effect[number].is_null());
     }
 }
 
-TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy",
-          "[stats]") {
+TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
     for (const auto& row : test_rows("stats_refusals.tsv")) {  // the table, words, and what is said
@@ -300,8 +292,7 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
     no_stats({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
 }
 
-TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
-          "[stats]") {
+TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody") {
     const TemporaryFolder folder;
     std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 4"},
                                                   {"break_every = 0", "break_every = 5"}});
@@ -329,9 +320,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     CHECK(ours["alternatives"] == 2);
 
     // Counts, by SQL; with and without those whom the protocol's rule leaves out.
-    Words coded = words;
-    coded.emplace_back("--keep-codes");
-    const Json named = numbers_of(coded);
+    const Json named = numbers_of(joined(words, {"--keep-codes"}));
     const Json& part = named["not_applied"].is_null() ? named["applied"] : named["not_applied"];
     const std::string counts =
         sql_csv(file,

@@ -7,7 +7,7 @@
 
 // What palpate says of a file on which a session runs.
 
-TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live][law]") {
+TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live]") {
     ShownSession session(kFourTrials, {"0.3"});
     const data::Json now =
         data::Json::parse(palpate_command({"status", session.file, "--json"}).out);
@@ -30,9 +30,9 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     }
     const Words refuses{"participant", session.file, "P1", "--consent", "no"};
     CHECK_THAT(palpate_command(refuses).error, Has("session 1 of P1 runs now, and goes on"));
-    const TemporaryFolder folder;
-    const std::string other = folder.file("other.sqlite");
-    for (const auto& [into, from] : {std::pair(other, session.file), {session.file, other}}) {
+    const TemporaryFile other("other.sqlite");
+    for (const auto& [into, from] :
+         {std::pair<std::string, std::string>(other, session.file), {session.file, other}}) {
         CHECK_THAT(ran({"merge", into, from}).error,
                    Has(session.file + ": a session runs on it, and goes on"));
     }
@@ -54,7 +54,7 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
 }
 
 TEST_CASE("whatever shows stimuli and answers of a file says once that a session runs on it",
-          "[live][law]") {
+          "[live]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran(run_words(kFourTrials, "P1", file, {"--headless"}));
@@ -90,7 +90,7 @@ TEST_CASE("whatever shows stimuli and answers of a file says once that a session
 }
 
 TEST_CASE("status says of a session that hangs whose it is, and that it does not answer",
-          "[live][law]") {
+          "[live]") {
     ShownSession session;
     const auto status = [&] {
         return data::Json::parse(palpate_command({"status", session.file, "--json"}).out);

@@ -60,7 +60,7 @@ private:
 TEST_CASE(
     "whoever takes the window away, types at the terminal, calls from a shell or presses the "
     "button ends the force, and the experimenter's chord alone goes on",
-    "[window][haply][safety][law]") {
+    "[window][haply][safety]") {
     const TemporaryFolder folder;
     const Terminal terminal;
     StopButton button(folder.file("button"));
@@ -144,11 +144,9 @@ TEST_CASE(
 
 TEST_CASE(
     "on the pointer, too, a keyboard that goes elsewhere ends a trial until the chord goes on",
-    "[window][safety][law]") {
+    "[window][safety]") {
     EACH(size, as<std::string>{}, "--windowed", "--fullscreen");
-    const TemporaryFile file("d.sqlite");
-    WindowSession session(
-        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", size}));
+    PointerSession session(four_trials(), {size});
     XHand& hand = session.hand();
     session.go_through({"welcome", "ready"});
     session.wait_for_screen("explore");
@@ -168,10 +166,8 @@ TEST_CASE(
 }
 
 TEST_CASE("Escape holds a session on any screen, and a question without its keys is noted",
-          "[window][safety][law]") {
-    const TemporaryFile file("d.sqlite");
-    WindowSession session(
-        run_words(kFourTrials, "P1", file, {"--device", "mouse", "--kind", "pilot", "--windowed"}));
+          "[window][safety]") {
+    PointerSession session(four_trials(), {"--windowed"});
     XHand& hand = session.hand();
     const auto stops = [&](const char* screen) {
         CAPTURE(screen);
@@ -208,12 +204,12 @@ TEST_CASE("Escape holds a session on any screen, and a question without its keys
                       "duration_s BETWEEN 0.8 AND (SELECT reaction_s FROM response)") == "1");
     session.wait_for_text("the keyboard with another window: its answer is kept");
     CHECK(session.program().ended_by(SIGTERM) == 3);
-    ran({"verify", file});
+    ran({"verify", session.database()});
 }
 
 // With those that have boards: palpate stop asks a rig that is being commissioned, too.
 TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal end the force",
-          "[open][safety][law]") {
+          "[open][safety]") {
     const TemporaryFolder folder;
     const Terminal terminal;
     const StopButton button(folder.file("button"));  // a session with one listens without a window
@@ -244,8 +240,7 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
                     .wait();
             };
             std::filesystem::permissions(folder.path(), std::filesystem::perms{0755});
-            const Finished barred = as_nobody(0644);
-            check_end(barred, 1, Has("only who may write to it, or runs it"));
+            check_end(as_nobody(0644), 1, Has("only who may write to it, or runs it"));
             stopped = as_nobody(0666);
         } else {
             stopped = palpate_command({"stop", file});
@@ -254,20 +249,14 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     });
     ends("terminal", [&] { terminal.type("\n"); });
     ends("terminal", [&] { terminal.type("\x1b"); });
-    const Finished gave_up = session.wait();  // nobody is there, and three were in a row
-    check_end(gave_up, 1, Has("3 faults in a row"));
+    check_end(session.wait(), 1, Has("3 faults in a row"));  // nobody is there
     CHECK(terminal.as_before());
 }
 
-TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on",
-          "[window][stop][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    write(folder.file("p.toml"), replaced(four_trials(), "break_every = 0", "break_every = 1"));
-    WindowSession session(
-        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}));
+TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on", "[window]") {
+    PointerSession session(replaced(four_trials(), "break_every = 0", "break_every = 1"));
     const auto stopped = [&] {
-        ran({"stop", file});
+        ran({"stop", session.database()});
         session.wait_for_screen("trouble");
         pause(0.3);
         session.hand().chord("p");

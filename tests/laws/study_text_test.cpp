@@ -17,8 +17,7 @@ std::string studies(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("a study that is not what its text says comes into no file, in any order",
-          "[merge][verify][law]") {
+TEST_CASE("a study that is not what its text says comes into no file, in any order") {
     const LabFiles lab;
     const std::string all = lab.folder.file("all.sqlite");
     for (const std::string& edit : kOtherStudies) {
@@ -45,8 +44,7 @@ TEST_CASE("a study that is not what its text says comes into no file, in any ord
     }
 }
 
-TEST_CASE("no session begins, and none goes on, in a study that is not what its text says",
-          "[run][law]") {
+TEST_CASE("no session begins, and none goes on, in a study that is not what its text says") {
     const LabFiles lab;
     for (const std::string& edit : kOtherStudies) {
         CAPTURE(edit);
@@ -61,7 +59,7 @@ TEST_CASE("no session begins, and none goes on, in a study that is not what its 
     }
 }
 
-TEST_CASE("a file that says otherwise how ticks are written is not merged", "[merge][law]") {
+TEST_CASE("a file that says otherwise how ticks are written is not merged") {
     const LabFiles lab;
     const std::string wrong = lab.with("UPDATE trace_column SET scale = 2 * scale WHERE codec = 1");
     const std::string all = lab.folder.file("all.sqlite");

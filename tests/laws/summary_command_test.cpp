@@ -8,10 +8,9 @@ namespace {
 /// What `script` prints of the rows of `query`, in R without any package; line by line.
 Words by_r(const std::string& file, const std::string& query, const std::string& script) {
     const TemporaryFolder folder;
-    const Finished rows = ran({"sql", file, "--csv", "-c", query});
-    std::ofstream(folder.file("rows.csv")) << rows.out;
-    std::ofstream(folder.file("script.R")) << "d <- read.csv(commandArgs(TRUE)[1])\n" + script;
-    const Words r{"Rscript", folder.file("script.R"), folder.file("rows.csv")};
+    const Words r{"Rscript",
+                  write(folder.file("script.R"), "d <- read.csv(commandArgs(TRUE)[1])\n" + script),
+                  write(folder.file("rows.csv"), sql_csv(file, query))};
     return lines_in(ended(Process(r).wait()).out);
 }
 
@@ -84,7 +83,7 @@ void same_numbers(const std::string& line, const Json& rows, const std::string& 
 
 }  // namespace
 
-TEST_CASE("palpate summary says of people what R says of the same answers", "[summary][law]") {
+TEST_CASE("palpate summary says of people what R says of the same answers") {
     if (!has_r()) {
         return;
     }
@@ -111,8 +110,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
     CHECK_THAT(ours, Has(lines[24], lines[25]));
 }
 
-TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
-          "[summary]") {
+TEST_CASE("with one person or two, palpate summary says what can be said and what cannot") {
     const TemporaryFolder folder;
     answer(folder.file("one.sqlite"), small_protocol(4), 1);
     CHECK_THAT(summary_of(folder.file("one.sqlite")),
@@ -125,7 +123,7 @@ TEST_CASE("with one person or two, palpate summary says what can be said and wha
                    "below 0.5"));
 }
 
-TEST_CASE("answers that are neither right nor wrong are summed up object by object", "[summary]") {
+TEST_CASE("answers that are neither right nor wrong are summed up object by object") {
     const bool rating = GENERATE(false, true);
     const TemporaryFile file("a.sqlite");
     protocols::Protocol protocol = small_protocol(4);
@@ -135,23 +133,21 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
     answer(file, protocol, 3);
     const std::string text = summary_of(file);
     CAPTURE(text);
-    const Finished mean = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT printf('friction off  %.3f  ', avg(x)) FROM (SELECT avg(answer_code + " +
-             std::string(rating ? "1" : "0") +
-             ") AS x FROM analysis_trial WHERE counts AND analysis_trial.planned_object = 'convex' "
-             "AND friction = 'off' GROUP BY participant_code)"});
+    const std::string mean = sql_row(
+        file,
+        "SELECT printf('friction off  %.3f  ', avg(x)) FROM (SELECT avg(answer_code + " +
+            std::string(rating ? "1" : "0") +
+            ") AS x FROM analysis_trial WHERE counts AND analysis_trial.planned_object = 'convex' "
+            "AND friction = 'off' GROUP BY participant_code)");
     const std::size_t at = text.find(rating ? "mean level of convex, 1 the lowest, mean"
                                             : "share of yes to convex, mean");
     REQUIRE(at != std::string::npos);
-    const std::string line = mean.out.substr(mean.out.find('\n') + 1);
-    CHECK_THAT(text.substr(at), Has(line.substr(0, line.size() - 1)));
+    CHECK_THAT(text.substr(at), Has(mean));
     CHECK_THAT(text, Has("68 of 68 answers have no correct (NULL)"));
     CHECK_THAT(text, !Has("share correct"));
 }
 
-TEST_CASE("palpate summary says of an adaptive run what R computes from its answers",
-          "[summary][adaptive][law]") {
+TEST_CASE("palpate summary says of an adaptive run what R computes from its answers") {
     if (!has_r()) {
         return;
     }
@@ -171,8 +167,7 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     if (index != 3) {  // a staircase goes on elsewhere without it
         ran({"mark", file, trial, "--invalid", "bell"});
     }
-    const Json all =
-        Json::parse(palpate_command({"summary", file, "--json"}).out).at("studies").at(0);
+    const Json all = json_of({"summary", file}).at("studies").at(0);
     CAPTURE(all.dump(1));
     for (int number = 0; number < 2; ++number) {
         const auto lines =

@@ -14,23 +14,9 @@ std::string plate(double from, double to, double slope, const std::string& more 
         from, slope * from, to, slope * to, more);
 }
 
-/// Rows of numbers; of a word 0.
-std::vector<std::vector<double>> rows_of(const std::string& csv) {
-    std::vector<std::vector<double>> rows;
-    for (const auto& fields : csv_body(csv)) {
-        auto& row = rows.emplace_back();
-        for (const std::string& field : fields) {
-            const bool number = field.find_first_of("0123456789") != std::string::npos;
-            row.push_back(number ? std::stod(field) : 0.0);
-        }
-    }
-    return rows;
-}
-
 }  // namespace
 
-TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plate in one",
-          "[cli][surface][law]") {
+TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plate in one") {
     Random random(20261123);
     const double slope = GENERATE(0.0, 0.3);
     std::string path = "t_s,x_m,y_m,z_m\n";
@@ -40,37 +26,26 @@ TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plat
         path += fmt::format("{},{},{},{}\n", 1e-3 * k, x, y,
                             slope * x + 0.002 - 0.004 * std::sin(0.02 * k));
     }
-    const auto whole = rows_of(said_of("render", kFelt + plate(-0.04, 0.04, slope), path));
-    const auto two = rows_of(
-        said_of("render", kFelt + plate(-0.04, 0.01, slope) + plate(0.01, 0.04, slope), path));
-    const auto cut =
-        rows_of(said_of("render",
-                        kFelt + plate(-0.04, 0.04, slope,
-                                      "trim_loops = [[0, 0, 0.4, 0, 1, 0, 1, 0.7, 1, 1, 0, 1]]\n"),
-                        path));
-    REQUIRE(whole.size() == 1500);
-    REQUIRE(two.size() == 1500);
-    REQUIRE(cut.size() == 1500);
-    constexpr std::size_t kSegment = 2;
-    constexpr std::size_t kCp = 5;  // and go, fn, ft, force: to column 15
-    bool on_second = false;
-    double worst = 0.0;
-    double max = 0.0;
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-        on_second = on_second || two[i][kSegment] == 1.0;
-        CHECK(cut[i][kSegment] == 0.0);
-        max = std::max(max, whole[i][11]);
-        for (std::size_t k = kCp; k < 16; ++k) {
-            worst = std::max(
-                {worst, std::fabs(whole[i][k] - two[i][k]), std::fabs(whole[i][k] - cut[i][k])});
-        }
+    const auto felt = [&](const std::string& plates) {
+        return columns_in(said_of("render", kFelt + plates, path));
+    };
+    const Columns whole = felt(plate(-0.04, 0.04, slope));
+    const Columns two = felt(plate(-0.04, 0.01, slope) + plate(0.01, 0.04, slope));
+    const Columns cut = felt(
+        plate(-0.04, 0.04, slope, "trim_loops = [[0, 0, 0.4, 0, 1, 0, 1, 0.7, 1, 1, 0, 1]]\n"));
+    REQUIRE(whole.at("t_s").size() == 1500);
+    for (const std::string of : {"cp_x_m", "cp_y_m", "cp_z_m", "go_x_m", "go_y_m", "go_z_m", "fn_n",
+                                 "ft_n", "fx_n", "fy_n", "fz_n"}) {
+        CAPTURE(of);
+        CHECK(apart(whole.at(of), two.at(of)) < 1e-10);
+        CHECK(apart(whole.at(of), cut.at(of)) < 1e-10);
     }
-    CHECK(on_second);
-    CHECK(max > 1.0);
-    CHECK(worst < 1e-10);
+    CHECK(std::ranges::count(two.at("segment"), 1.0) > 0);
+    CHECK(std::ranges::count(cut.at("segment"), 0.0) == 1500);
+    CHECK(std::ranges::max(whole.at("fn_n")) > 1.0);
 }
 
-TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][law]") {
+TEST_CASE("over a hole the closest point lies on its border") {
     // The hole is -0.02 to 0.02 by -0.01 to 0.01.
     const std::string scene =
         plate(-0.05, 0.05, 0.0, "trim_loops = [[0.3, 0.4, 0.3, 0.6, 0.7, 0.6, 0.7, 0.4]]\n");
@@ -87,16 +62,12 @@ TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][la
         const bool over = in_x > 0.0 && in_y > 0.0;
         wanted.push_back(over ? std::hypot(std::min(in_x, in_y), z) : z);
     }
-    const auto found = rows_of(said_of("closest", scene, points));
-    REQUIRE(found.size() == wanted.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        CHECK(found[i].end()[-2] == Approx(wanted[i]).epsilon(1e-12));
-        CHECK(found[i].back() == 0.0);  // unproven
-    }
+    const Columns found = columns_in(said_of("closest", scene, points));
+    CHECK(apart(found.at("distance_m"), wanted) < 1e-15);
+    CHECK(std::ranges::count(found.at("unproven"), 0.0) == 200);
 }
 
-TEST_CASE("surfaces that cannot be one object are refused with value and remedy",
-          "[cli][surface]") {
+TEST_CASE("surfaces that cannot be one object are refused with value and remedy") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), "x_m,y_m,z_m\n0,0,0.01\n");
     const auto refused = [&](const std::string& scene, const char* why) {

@@ -1,9 +1,5 @@
-#include "data/store/session_store.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
-#include "tests/support/studies.hpp"
-
-using namespace palpate::data;
 
 namespace {
 
@@ -14,22 +10,20 @@ Words run(const std::string& file, const std::string& resume) {
 
 /// As if the program had ended after so many attempts.
 void cut(const std::string& file, int attempts) {
-    Database database(file, Access::write);
+    std::string sql;
     for (const char* table : {"response", "presentation", "trace_chunk", "fault_tick", "trial"}) {
-        database.execute(
-            fmt::format("DELETE FROM {} WHERE trial_id > {}", table, attempts).c_str());
+        sql += fmt::format("DELETE FROM {} WHERE trial_id > {};", table, attempts);
     }
-    database.execute(
-        fmt::format("DELETE FROM event WHERE trials_begun > {}; UPDATE session SET finished = 0,"
-                    " finished_utc = NULL, seal = NULL, seal_events = NULL",
-                    attempts)
-            .c_str());
+    sql_edit(file,
+             sql + fmt::format("DELETE FROM event WHERE trials_begun > {}; UPDATE session SET "
+                               "finished = 0, finished_utc = NULL, seal = NULL, seal_events "
+                               "= NULL",
+                               attempts));
 }
 
 }  // namespace
 
-TEST_CASE("a session goes on alike whatever the sentences of its events say",
-          "[laws][events][law]") {
+TEST_CASE("a session goes on alike whatever the sentences of its events say") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run(file, "continue"));
@@ -40,8 +34,7 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
     cut(file, 14);
     CHECK(sql_csv(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
           "event_kind\nredo\n");
-    const std::string reworded = folder.file("reworded.sqlite");
-    std::filesystem::copy(file, reworded);
+    const std::string reworded = copied(file, folder.file("reworded.sqlite"));
     sql_edit(reworded,
              "UPDATE event SET text = 'after 3 attempts: part 2: position ' || event_id || ' is "
              "done'");

@@ -72,7 +72,7 @@ void speak_as(std::uint16_t host, std::uint16_t board, std::mt19937& rng) {
 }  // namespace
 
 TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and says where nobody is",
-          "[laws][open][doctor]") {
+          "[open]") {
     const TemporaryFolder folder;
     Process emulator({palpate_program(), "haply-emulator", "--open", "--udp", "0"});
     REQUIRE(eventually([&] { return emulator.out().find('\n') != std::string::npos; }));
@@ -84,7 +84,7 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     CHECK(emulator.ended_by(SIGINT) == 0);
     CHECK_THAT(doctor(folder, device, "2diy_gen3"), Has("does the device's program run there"));
 
-    const std::string port = std::to_string(free_udp_port());
+    const std::string port = std::to_string(free_port());
     const Process example({PALPATE_UDP_DEVICE, port});
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
     CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
@@ -95,9 +95,9 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
 TEST_CASE(
     "a stranger at a UDP port is distinguished from a cable, and a board that is in use from a "
     "silent one",
-    "[laws][open][doctor]") {
+    "[open]") {
     const TemporaryFolder folder;
-    const std::uint16_t number = free_udp_port();
+    const std::uint16_t number = free_port();
     const std::string port = std::to_string(number);
     const Process example({PALPATE_UDP_DEVICE, port});
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
@@ -128,7 +128,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the board",
-          "[window][open][law]") {
+          "[window][open]") {
     const TemporaryFolder folder;
     TypedTo typed(folder, "keys", "haply-emulator --open --udp 0");
     const Process& emulator = typed.program();
@@ -185,19 +185,4 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
         return felt() == "1";
     }));
     CHECK(session.ask("SELECT count(*) FROM trial WHERE fault_cause = 'device_garbage'") == "0");
-}
-
-TEST_CASE("words of a UDP port that cannot be are refused with a sentence, before a file is made",
-          "[laws][open]") {
-    const TemporaryFolder folder;
-    for (const char* wrong : {"board:udp:rig", "board:udp::5000", "board:udp:rig:99999"}) {
-        CHECK_THAT(ran(run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
-                                 {"--device", wrong}),
-                       2)
-                       .error,
-                   Has("as in udp:127.0.0.1:5000"));
-    }
-    CHECK(folder.names().empty());
-    ran({"haply-emulator", "--udp", "5000"}, 2);
-    ran({"haply-emulator", "--open", "--udp", "70000"}, 2);
 }

@@ -36,21 +36,26 @@ pid_t in_a_child(const std::function<void()>& work) {
     return pid;
 }
 
-pid_t guard_of(pid_t palpate) {
+std::vector<pid_t> children_of(pid_t parent, std::string_view name) {
+    std::vector<pid_t> children;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
         std::ifstream stat(entry.path() / "stat");
         std::string line;
         std::getline(stat, line);
         std::istringstream rest(line.substr(line.rfind(')') + 1));
         char state = ' ';
-        pid_t parent = 0;
-        rest >> state >> parent;
-        if (parent == palpate && state != 'Z' &&
-            line.find("(palpate-guard)") != std::string::npos) {
-            return static_cast<pid_t>(std::stol(entry.path().filename().string()));
+        pid_t from = 0;
+        rest >> state >> from;
+        if (from == parent && state != 'Z' && line.find(name) != std::string::npos) {
+            children.push_back(static_cast<pid_t>(std::stol(entry.path().filename().string())));
         }
     }
-    return -1;
+    return children;
+}
+
+pid_t guard_of(pid_t palpate) {
+    const auto guards = children_of(palpate, "(palpate-guard)");
+    return guards.empty() ? -1 : guards.front();
 }
 
 std::int64_t patience_ns() {

@@ -13,6 +13,10 @@ void die_with(pid_t parent);
 /// Runs `work` in a child process, which ends after it. @return its id, to be killed and reaped
 [[nodiscard]] pid_t in_a_child(const std::function<void()>& work);
 
+/// The processes that `parent` has started and that still run.
+/// @param name  stands in each one's line of /proc/PID/stat
+[[nodiscard]] std::vector<pid_t> children_of(pid_t parent, std::string_view name = "");
+
 /// The guard that `palpate` has started; -1: there is none.
 [[nodiscard]] pid_t guard_of(pid_t palpate);
 
@@ -33,6 +37,12 @@ bool eventually(const Done& done) {
         wait_a_little(std::min(1 + looks / 10, 8));
     }
     return done();
+}
+
+/// Where a busy machine may spoil a try: up to `tries`, until one is right. @return one was
+template <class Try>
+bool tried(int tries, const Try& one) {
+    return std::ranges::any_of(std::views::iota(0, tries), [&](int) { return one(); });
 }
 
 /// A process that drives the board at a port with a constant force at 1 kHz until something ends

@@ -75,18 +75,9 @@ public:
 
 /// Whoever was started by a process, and is `palpate console`; 0: nobody.
 [[nodiscard]] inline pid_t console_of(pid_t parent) {
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-        const std::string name = entry.path().filename().string();
-        pid_t id = 0;
-        if (std::from_chars(name.data(), name.data() + name.size(), id).ec != std::errc()) {
-            continue;
-        }
-        const std::string stat = slurp(entry.path().string() + "/stat");
-        const std::size_t end = stat.rfind(')');
-        if (end != std::string::npos && stat.substr(end + 2, 1) != "Z" &&
-            std::atoi(stat.c_str() + end + 4) == parent &&
-            slurp(entry.path().string() + "/cmdline").find("console") != std::string::npos) {
-            return id;
+    for (const pid_t child : children_of(parent)) {
+        if (slurp(fmt::format("/proc/{}/cmdline", child)).find("console") != std::string::npos) {
+            return child;
         }
     }
     return 0;

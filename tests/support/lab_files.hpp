@@ -1,7 +1,7 @@
 #pragma once
 
-#include "data/store/database.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 /// Finished sessions' files, and what others do to them.
 namespace palpate::tests {
@@ -18,13 +18,9 @@ inline std::string lab_sqlite(const std::string& file, const std::string& sql) {
 /// Of a finished session; a copy of it with `sql` done to it.
 class LabFiles {
 public:
-    LabFiles() {
-        ran({"demo", "--headless", "--db", clean});
-        data::Database(clean, data::Access::write).checkpoint();
-    }
+    LabFiles() { ran({"demo", "--headless", "--db", clean}); }
     [[nodiscard]] std::string with(const std::string& sql) const {
-        const std::string file = folder.file("copy.sqlite");
-        std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
+        std::string file = copied(clean, folder.file("copy.sqlite"));
         lab_sqlite(file, sql);
         return file;
     }

@@ -53,50 +53,6 @@ struct Scene {
 Vec2 around(const Scene& s) {
     return s.at(s.any_u()) + s.size * s.random.point(-1.0, 1.0);
 }
-Vec2 at_focus(const Scene& s) {
-    return s.focus();
-}
-Vec2 near_focus(const Scene& s) {
-    const Vec2 focus = s.focus();
-    return focus + (s.size * s.random.decade(-16.0, 0.0)) * s.any_direction();
-}
-Vec2 on_axis(const Scene& s) {
-    const Vec2 focus = s.focus();
-    const double sign = s.random.coin() ? 1.0 : -1.0;
-    return focus + Vec2{0.0, sign * s.size * s.random.decade(-12.0, 0.5)};
-}
-Vec2 on_curve(const Scene& s) {
-    return s.at(s.any_u());
-}
-Vec2 just_off(const Scene& s) {
-    const double u = s.any_u();
-    return s.at(u) + (s.size * s.random.decade(-17.0, -4.0)) * s.normal(u);
-}
-Vec2 curvature_centre(const Scene& s) {
-    return s.curvature_centre(s.any_u());
-}
-Vec2 near_curvature_centre(const Scene& s) {
-    const Vec2 centre = s.curvature_centre(s.any_u());
-    return centre + (s.size * s.random.decade(-15.0, -2.0)) * s.any_direction();
-}
-Vec2 control_point(const Scene& s) {
-    const auto& points = s.family.curve.points;
-    return points[static_cast<std::size_t>(s.random.below(static_cast<int>(points.size())))];
-}
-Vec2 beyond_end(const Scene& s) {
-    const bool front = s.random.coin();
-    const double u = front ? s.lo : s.hi;
-    const Vec2 along = engine::perp(s.normal(u));  // backwards
-    const double by = s.size * s.random.decade(-12.0, 1.0);
-    return s.at(u) + (front ? by : -by) * along;
-}
-Vec2 far_away(const Scene& s) {
-    return s.at(s.any_u()) + (s.size * s.random.decade(1.0, 9.0)) * s.any_direction();
-}
-Vec2 close_to_an_end(const Scene& s) {
-    const double by = (s.hi - s.lo) * s.random.decade(-12.0, -1.0);
-    return s.at(s.random.coin() ? s.lo + by : s.hi - by);
-}
 /// Halves the way between two points until their feet, far apart, are equally far.
 Vec2 tie(const Scene& s) {
     Vec2 a = around(s);
@@ -116,17 +72,61 @@ struct Query {
 };
 constexpr std::array<Query, kNastyQueries> kQueries{
     {{"around it", around},
-     {"at its worst place", at_focus},
-     {"near its worst place", near_focus},
-     {"above its worst place", on_axis},
-     {"on the curve", on_curve},
-     {"just off the curve", just_off},
-     {"centre of curvature", curvature_centre},
-     {"near a centre of curvature", near_curvature_centre},
-     {"at a control point", control_point},
-     {"beyond an end", beyond_end},
-     {"far away", far_away},
-     {"on the curve close to an end", close_to_an_end},
+     {"at its worst place",
+      [](const Scene& s) {
+          return s.focus();
+      }},
+     {"near its worst place",
+      [](const Scene& s) {
+          const Vec2 focus = s.focus();
+          return focus + (s.size * s.random.decade(-16.0, 0.0)) * s.any_direction();
+      }},
+     {"above its worst place",
+      [](const Scene& s) {
+          const Vec2 focus = s.focus();
+          const double sign = s.random.coin() ? 1.0 : -1.0;
+          return focus + Vec2{0.0, sign * s.size * s.random.decade(-12.0, 0.5)};
+      }},
+     {"on the curve",
+      [](const Scene& s) {
+          return s.at(s.any_u());
+      }},
+     {"just off the curve",
+      [](const Scene& s) {
+          const double u = s.any_u();
+          return s.at(u) + (s.size * s.random.decade(-17.0, -4.0)) * s.normal(u);
+      }},
+     {"centre of curvature",
+      [](const Scene& s) {
+          return s.curvature_centre(s.any_u());
+      }},
+     {"near a centre of curvature",
+      [](const Scene& s) {
+          const Vec2 centre = s.curvature_centre(s.any_u());
+          return centre + (s.size * s.random.decade(-15.0, -2.0)) * s.any_direction();
+      }},
+     {"at a control point",
+      [](const Scene& s) {
+          const auto& points = s.family.curve.points;
+          return points[static_cast<std::size_t>(s.random.below(static_cast<int>(points.size())))];
+      }},
+     {"beyond an end",
+      [](const Scene& s) {
+          const bool front = s.random.coin();
+          const double u = front ? s.lo : s.hi;
+          const Vec2 along = engine::perp(s.normal(u));  // backwards
+          const double by = s.size * s.random.decade(-12.0, 1.0);
+          return s.at(u) + (front ? by : -by) * along;
+      }},
+     {"far away",
+      [](const Scene& s) {
+          return s.at(s.any_u()) + (s.size * s.random.decade(1.0, 9.0)) * s.any_direction();
+      }},
+     {"on the curve close to an end",
+      [](const Scene& s) {
+          const double by = (s.hi - s.lo) * s.random.decade(-12.0, -1.0);
+          return s.at(s.random.coin() ? s.lo + by : s.hi - by);
+      }},
      {"tie", tie}}};
 
 }  // namespace

@@ -272,30 +272,32 @@ Family mirrored(Random& random) {
     return {"mirrored branches", bezier_data(points, weights), {0.5}, {}};
 }
 
-constexpr std::array<Family (*)(Random&), kNastyCurves> kFamilies{random_rational,
-                                                                  random_polynomial,
-                                                                  exact_cusp,
-                                                                  leaning_cusp,
-                                                                  near_cusp,
-                                                                  loop,
-                                                                  kinks,
-                                                                  repeated_points,
-                                                                  straight,
-                                                                  tiny_turn,
-                                                                  circle,
-                                                                  flat_minimum,
-                                                                  flat_curve,
-                                                                  steep_weights,
-                                                                  alternating_weights,
-                                                                  uneven_knots,
-                                                                  far_object,
-                                                                  mirrored,
-                                                                  collapsed};
+using MakeFamily = Family (*)(Random&);
+constexpr MakeFamily kFamilies[] = {random_rational,
+                                    random_polynomial,
+                                    exact_cusp,
+                                    leaning_cusp,
+                                    near_cusp,
+                                    loop,
+                                    kinks,
+                                    repeated_points,
+                                    straight,
+                                    tiny_turn,
+                                    circle,
+                                    flat_minimum,
+                                    flat_curve,
+                                    steep_weights,
+                                    alternating_weights,
+                                    uneven_knots,
+                                    far_object,
+                                    mirrored,
+                                    collapsed};
+static_assert(std::size(kFamilies) == kNastyCurves);
 
 }  // namespace
 
 NastyFamily nasty_family(std::uint64_t index, Random& random) {
-    return kFamilies.at(index)(random);
+    return kFamilies[index](random);
 }
 
 }  // namespace palpate::tests

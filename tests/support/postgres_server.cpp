@@ -1,8 +1,6 @@
 #include "tests/support/postgres_server.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
+#include "tests/support/udp_port.hpp"
 
 namespace palpate::tests {
 namespace {
@@ -23,18 +21,6 @@ std::string find_programs() {
         }
     }
     return found;
-}
-
-int free_port() {
-    const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
-    getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-    close(fd);
-    return ntohs(address.sin_port);
 }
 
 /// The server refuses to run as root.
@@ -102,7 +88,7 @@ void PostgresServer::make(const std::string& certificate, const std::string& key
         std::ofstream(data + "/pg_hba.conf") << "hostssl all all 127.0.0.1/32 scram-sha-256\n";
         own({data + "/server.crt", data + "/server.key"});
     }
-    port_ = free_port();
+    port_ = free_port(SOCK_STREAM);
 }
 
 void PostgresServer::run() {

@@ -79,17 +79,13 @@ private:
 };
 
 inline std::string pressed_study() {
-    std::string text = four_trials();
-    const auto put = [&](const std::string& from, const std::string& to) {
-        const std::size_t at = text.find(from);
-        text.replace(at == std::string::npos ? throw std::logic_error(from) : at, from.size(), to);
-    };
-    put("stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
-    put("force_limit_n = 10", "force_limit_n = 1.5");
-    put("curvature_per_m = 8", "curvature_per_m = 0");
-    put("start_mm = [0, 60]",
-        "start_mm = [0, 60]\nstart_radius_mm = 0");  // a hand that presses for ever
-    return text + "\n[safety]\ndead_man = true\nlate_in_a_row = 0\nlate_of_100 = 0\n";
+    return edited(four_trials(),
+                  {{"stiffness_n_per_m = 1000", "stiffness_n_per_m = 200"},
+                   {"force_limit_n = 10", "force_limit_n = 1.5"},
+                   {"curvature_per_m = 8", "curvature_per_m = 0"},
+                   // a hand that presses for ever
+                   {"start_mm = [0, 60]", "start_mm = [0, 60]\nstart_radius_mm = 0"}}) +
+           "\n[safety]\ndead_man = true\nlate_in_a_row = 0\nlate_of_100 = 0\n";
 }
 
 /// A session at a window, with a board that a hand presses on.
@@ -105,11 +101,11 @@ struct PressedDesk {
               [&] { return std::make_unique<PressingHand>(machine, does); },
               folder.file("board"),
               open ? engine::make_open_board : engine::make_haply_board) {
-        std::ofstream(folder.file("p.toml")) << pressed_study();
-        const Words words = joined({"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                                    file, "--device", (open ? "board:" : "haply:") + board.path(),
-                                    "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
-                                   more);
+        const Words words =
+            joined(run_words(write(folder.file("p.toml"), pressed_study()), "P1", file,
+                             {"--device", (open ? "board:" : "haply:") + board.path(),
+                              "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"}),
+                   more);
         session = std::make_unique<WindowSession>(words, environment, WindowSession::Screen{});
         session->press_at("welcome", "space");
     }

@@ -94,9 +94,10 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
     return joined({palpate_program()}, arguments);
 }
 
-/// Makes `file` of `text`, byte for byte.
-inline void write(const std::string& file, std::string_view text) {
+/// Makes `file` of `text`, byte for byte. @return its name
+inline std::string write(const std::string& file, std::string_view text) {
     std::ofstream(file, std::ios::binary) << text;
+    return file;
 }
 
 inline void pause(double seconds) {

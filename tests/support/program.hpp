@@ -47,12 +47,57 @@ inline std::string said_of(const std::string& command,
     const TemporaryFolder folder;
     write(folder.file("s.toml"), scene);
     write(folder.file("d.csv"), table);
-    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
+    const Finished done = ran({command, folder.file("s.toml"), folder.file("d.csv")});
+    REQUIRE(done.error.empty());
+    return done.out;
+}
+
+/// Numbers by the name of their column.
+using Columns = std::map<std::string, std::vector<double>>;
+
+/// The columns of a CSV without quotes; a word that is no number is NaN.
+inline Columns columns_in(const std::string& csv) {
+    Columns columns;
+    for (const auto& row : csv_records(csv)) {
+        for (const auto& [name, field] : row) {
+            char* end = nullptr;
+            const double value = std::strtod(field.c_str(), &end);
+            columns[name].push_back(end == field.c_str() ? std::nan("") : value);
+        }
+    }
+    return columns;
+}
+
+/// The most by which a number of `a` differs from `factor` times that of `b`; infinite where one of
+/// them is none, or there are more of one than of the other.
+inline double apart(const std::vector<double>& a,
+                    const std::vector<double>& b,
+                    double factor = 1.0) {
+    double most = a.size() == b.size() ? 0.0 : std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+        const double off = std::fabs(a[i] - factor * b[i]);
+        most = off <= most ? most : std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
+    }
+    return most;
 }
 
 /// What palpate sql says of a database, as CSV.
 inline std::string sql_csv(const std::string& file, const std::string& query) {
     return ran({"sql", file, "--csv", "-c", query}).out;
+}
+
+/// Its first row, without the head.
+inline std::string sql_row(const std::string& file, const std::string& query) {
+    return behind(sql_csv(file, query), "\n");
+}
+
+/// Simulated people who answer to a protocol's text: the file.
+inline std::string simulated_study(const TemporaryFolder& folder,
+                                   const std::string& protocol,
+                                   const Words& more) {
+    const std::string file = folder.file("s.sqlite");
+    ran(joined({"simulate", write(folder.file("p.toml"), protocol), "--db", file}, more));
+    return file;
 }
 
 /// The terminal's line of the first answered trial.
@@ -64,8 +109,8 @@ inline std::string answered_line(const std::string& out) {
 }
 
 /// Words or a file are refused, and nothing is printed but why.
-inline void refused(const Words& words, const std::string& why) {
-    const Finished done = ran(words, 2);
+inline void refused(const Words& words, const std::string& why, int code = 2) {
+    const Finished done = ran(words, code);
     CAPTURE(words);
     CHECK(done.out.empty());
     CHECK_THAT(done.error, Has(why));

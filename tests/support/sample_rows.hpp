@@ -15,6 +15,18 @@ inline std::string exactly(double value) {
     return std::isnan(value) ? "null" : fmt::format("{:a}", value);
 }
 
+/// A value as the reader has it, as `sample` must give it.
+template <class Value>
+std::string cell(const Value& value) {
+    if constexpr (std::is_floating_point_v<Value>) {
+        return exactly(value);
+    } else if constexpr (std::is_integral_v<Value>) {
+        return std::to_string(value);
+    } else {
+        return value;
+    }
+}
+
 /// Ten trials of the demo, recorded by the program.
 inline const std::string& demo_file() {
     static const TemporaryFolder folder;
@@ -123,43 +135,16 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
                 (static_cast<double>(t.time_ns - ticks[i - 1].time_ns) * 1e-9);
         }
         const char* const modes[] = {"free", "stuck", "slip", "transition"};
-        rows.push_back({std::to_string(trial),
-                        std::to_string(interval),
-                        std::to_string(t.tick),
-                        exactly(static_cast<double>(t.time_ns) / 1e9),
-                        std::to_string(t.counts[0]),
-                        std::to_string(t.counts[1]),
-                        std::to_string(t.codes[0]),
-                        std::to_string(t.codes[1]),
-                        exactly(static_cast<double>(t.lateness_us)),
-                        std::to_string(t.flags),
-                        modes[static_cast<std::size_t>(t.mode)],
-                        std::to_string(t.segment),
-                        exactly(t.u),
-                        exactly(t.hip.x),
-                        exactly(t.hip.y),
-                        exactly(t.cp.x),
-                        exactly(t.cp.y),
-                        exactly(t.go.x),
-                        exactly(t.go.y),
-                        exactly(t.force.x),
-                        exactly(t.force.y),
-                        steps_of(t.command.x),
-                        steps_of(t.command.y),
-                        exactly(t.normal_force),
-                        exactly(t.tangential_force),
-                        exactly(t.mu),
-                        std::to_string(t.counts[2]),
-                        std::to_string(t.codes[2]),
-                        exactly(t.v),
-                        exactly(t.hip.z),
-                        exactly(t.cp.z),
-                        exactly(t.go.z),
-                        exactly(t.force.z),
-                        steps_of(t.command.z),
-                        exactly(v.x),
-                        exactly(v.y),
-                        exactly(v.z)});
+        const auto row = [&](const auto&... values) {
+            rows.push_back({cell(values)...});
+        };
+        row(trial, interval, t.tick, static_cast<double>(t.time_ns) / 1e9, t.counts[0], t.counts[1],
+            t.codes[0], t.codes[1], static_cast<double>(t.lateness_us), t.flags,
+            modes[static_cast<std::size_t>(t.mode)], t.segment, t.u, t.hip.x, t.hip.y, t.cp.x,
+            t.cp.y, t.go.x, t.go.y, t.force.x, t.force.y, steps_of(t.command.x),
+            steps_of(t.command.y), t.normal_force, t.tangential_force, t.mu, t.counts[2],
+            t.codes[2], t.v, t.hip.z, t.cp.z, t.go.z, t.force.z, steps_of(t.command.z), v.x, v.y,
+            v.z);
     }
     return rows;
 }

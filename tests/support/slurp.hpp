@@ -80,6 +80,16 @@ inline Words between(const std::string& text, std::string_view open, std::string
     return found;
 }
 
+/// What stands behind the first `open` up to the next `close`, or to the end; empty where there is
+/// no `open`.
+inline std::string behind(const std::string& text,
+                          std::string_view open,
+                          std::string_view close = "\n") {
+    const std::size_t at = text.find(open);
+    const std::size_t begin = at + open.size();
+    return at == std::string::npos ? "" : text.substr(begin, text.find(close, begin) - begin);
+}
+
 /// "01 FF".
 inline std::string hex_of(std::span<const std::uint8_t> bytes) {
     std::string text;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/figures/thesis/curve_tracker.hpp"
+#include "tests/support/counted_wall.hpp"
 
 namespace palpate::tests {
 
@@ -33,16 +34,9 @@ inline double stability_limit_ratio(const engine::NurbsCurve<2>& curve,
                                     const engine::Vec2& hip,
                                     double period) {
     const double formula = figures::critical_gain(curve, u, hip, period);
-    double stable = 0.5 * formula;
-    double unstable = 2.0 * formula;
-    if (!settles(curve, stable, u, hip, period) || settles(curve, unstable, u, hip, period)) {
-        return std::nan("");
-    }
-    for (int i = 0; i < 13; ++i) {
-        const double middle = 0.5 * (stable + unstable);
-        (settles(curve, middle, u, hip, period) ? stable : unstable) = middle;
-    }
-    return 0.5 * (stable + unstable) / formula;
+    return stability_limit(0.5 * formula, 2.0 * formula, 13,
+                           [&](double gain) { return settles(curve, gain, u, hip, period); }) /
+           formula;
 }
 
 }  // namespace palpate::tests

@@ -10,6 +10,11 @@ inline std::string test_text(const std::string& name) {
     return text.empty() ? throw std::invalid_argument("tests/texts has no " + name) : text;
 }
 
+/// The file of one of its scripts.
+inline std::string script(const std::string& name) {
+    return PALPATE_SOURCE_DIR "/tests/texts/scripts/" + name;
+}
+
 /// The study that most tests run.
 inline const std::string kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 inline std::string four_trials() {

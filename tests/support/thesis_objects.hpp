@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/geometry/nurbs_curve.hpp"
-#include "tests/support/std.hpp"
+#include "tests/support/foot_oracle.hpp"
 
 namespace palpate::tests {
 
@@ -44,35 +44,13 @@ inline std::vector<engine::NurbsCurve<2>> two_cubics() {
     return curves_of(two_polygons());
 }
 
-/// Distance from `h` to the nearest point of all curves, m, good to about 1e-12: 400 samples a
-/// curve, then golden section about the best. Written for tests alone.
-inline double true_distance(const std::vector<engine::NurbsCurve<2>>& curves,
-                            const engine::Vec2& h) {
-    constexpr int kSamples = 400;
-    constexpr double kGolden = 0.6180339887498949;
-    double best = std::numeric_limits<double>::infinity();
-    for (const auto& curve : curves) {
-        const auto far = [&](double u) {
-            return glm::length(curve.at(u).point - h);
-        };
-        const double width = curve.back() - curve.front();
-        int at = 0;
-        for (int i = 1; i <= kSamples; ++i) {
-            at = far(curve.front() + width * i / kSamples) <
-                         far(curve.front() + width * at / kSamples)
-                   ? i
-                   : at;
-        }
-        double lo = curve.front() + width * std::max(at - 1, 0) / kSamples;
-        double hi = curve.front() + width * std::min(at + 1, kSamples) / kSamples;
-        for (int i = 0; i < 40; ++i) {
-            const double a = hi - kGolden * (hi - lo);
-            const double b = lo + kGolden * (hi - lo);
-            (far(a) < far(b) ? hi : lo) = far(a) < far(b) ? b : a;
-        }
-        best = std::min({best, far(lo), far(hi)});
+/// Distance from `h` to the nearest point of all curves, m, by the oracle.
+inline double true_distance(const Polygons& polygons, const engine::Vec2& h) {
+    long double best = std::numeric_limits<long double>::infinity();
+    for (const std::vector<engine::Vec2>& polygon : polygons) {
+        best = std::min(best, FootOracle(bezier_data(polygon)).closest(h).distance);
     }
-    return best;
+    return static_cast<double>(best);
 }
 
 }  // namespace palpate::tests

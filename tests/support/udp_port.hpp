@@ -7,17 +7,17 @@
 
 namespace palpate::tests {
 
-/// A UDP port of this machine that was free just now.
-inline std::uint16_t free_udp_port() {
+/// A port of this machine that was free just now, of UDP or, with SOCK_STREAM, of TCP.
+inline std::uint16_t free_port(int type = SOCK_DGRAM) {
     sockaddr_in here{};
     here.sin_family = AF_INET;
     here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof here;
     auto* const any = reinterpret_cast<sockaddr*>(&here);
-    const int one = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const int one = socket(AF_INET, type | SOCK_CLOEXEC, 0);
     const bool good = bind(one, any, size) == 0 && getsockname(one, any, &size) == 0;
     close(one);
-    return good ? ntohs(here.sin_port) : throw std::runtime_error("no UDP port is free");
+    return good ? ntohs(here.sin_port) : throw std::runtime_error("no port is free");
 }
 
 /// The port of the first program of this machine that speaks to `port` alone; 0: there is none.

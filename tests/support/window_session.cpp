@@ -1,6 +1,6 @@
 #include "tests/support/window_session.hpp"
 
-#include "data/store/database.hpp"
+#include "tests/support/sql_first.hpp"
 
 namespace palpate::tests {
 namespace {
@@ -158,16 +158,7 @@ bool WindowSession::goes_on_until(const std::function<bool()>& there) {
 }
 
 std::string WindowSession::ask(const std::string& query) const {
-    if (!std::filesystem::exists(database_)) {
-        return {};
-    }
-    try {
-        data::Database there(database_, data::Access::read);
-        auto row = there.prepare(query);
-        return row.step() && !row.null(0) ? row.text(0) : std::string();
-    } catch (const data::StoreError&) {  // it is being made
-        return {};
-    }
+    return std::filesystem::exists(database_) ? sql_now(database_, query) : "";
 }
 
 void WindowSession::wait_until(const std::string& query, const std::string& wanted) {
@@ -189,5 +180,13 @@ void WindowSession::wait_for_text(const std::string& text) {
                program_.error().find(text) != std::string::npos;
     });
 }
+
+PointerSession::PointerSession(const std::string& study, const Words& more, const Screen& screen)
+    : WindowSession(run_words(write(file("p.toml"), study),
+                              "P1",
+                              file("d.sqlite"),
+                              joined({"--device", "mouse", "--kind", "pilot"}, more)),
+                    {},
+                    screen) {}
 
 }  // namespace palpate::tests

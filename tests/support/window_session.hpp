@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/support/test_text.hpp"
 #include "tests/support/x_hand.hpp"
 #include "tests/support/xvfb.hpp"
 
@@ -82,6 +83,14 @@ private:
     std::string database_;
     Process program_;
     std::uint64_t focused_ = 0;  ///< the window that was given the keyboard
+};
+
+/// A pilot session of P1 with the pointer, of a study's text, in a folder of its own.
+class PointerSession : private TemporaryFolder, public WindowSession {
+public:
+    explicit PointerSession(const std::string& study = four_trials(),
+                            const Words& more = {},
+                            const Screen& screen = Screen{});
 };
 
 }  // namespace palpate::tests

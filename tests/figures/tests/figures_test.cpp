@@ -15,20 +15,6 @@ constexpr double kStiffness = 1000.0;  // N/m
 constexpr double kFree = 0.0;
 constexpr double kStuck = 1.0;
 
-using Columns = std::map<std::string, std::vector<double>>;
-
-/// A CSV text of ours as columns; empty fields are NaN.
-Columns read_columns(const std::string& text) {
-    Columns columns;
-    for (const auto& row : palpate::tests::csv_records(text)) {
-        for (const auto& [name, field] : row) {
-            columns[name].push_back(field.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                  : std::strtod(field.c_str(), nullptr));
-        }
-    }
-    return columns;
-}
-
 const NamedFigure& figure_named(const std::string& name) {
     for (const NamedFigure& figure : thesis_figures()) {
         if (figure.name == name) {
@@ -41,7 +27,7 @@ const NamedFigure& figure_named(const std::string& name) {
 Columns table_of(const std::string& figure, const std::string& suffix = "") {
     for (const FigureFile& file : files_of(figure_named(figure))) {
         if (file.name == figure + suffix + ".csv") {
-            return read_columns(file.text);
+            return columns_in(file.text);
         }
     }
     throw std::invalid_argument("no table of " + figure + suffix);
@@ -96,7 +82,7 @@ TEST_CASE("every figure of the thesis is a well-formed picture with tables, twic
         REQUIRE_NOTHROW(SvgReader(first[0].text));
         CHECK(SvgReader(first[0].text).all("text", "caption").size() >= 2);
         for (std::size_t i = 1; i < first.size(); ++i) {
-            CHECK(read_columns(first[i].text).size() >= 2);
+            CHECK(columns_in(first[i].text).size() >= 2);
         }
     }
 }

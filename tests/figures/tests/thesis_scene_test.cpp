@@ -53,7 +53,7 @@ TEST_CASE("with an exact tracker the frictionless thesis scene is K times the pe
         }
         ++touching;
         REQUIRE(glm::length(tick.force) ==
-                Approx(1000.0 * true_distance(curves, hip)).margin(1e-5));
+                Approx(1000.0 * true_distance(two_polygons(), hip)).margin(1e-5));
         REQUIRE(std::fabs(tick.ft) < 1e-5);
         REQUIRE(glm::length(tick.go - tick.cp) == 0.0);
     }

@@ -50,7 +50,7 @@ double p99(const TrackerSpec& spec) {
             const TrackedFoot foot = trackers[i].step(states[i], hip, kTrackerPeriod);
             nearest = std::min(nearest, glm::length(foot.point - hip));
         }
-        errors.push_back(std::fabs(nearest - true_distance(curves, hip)));
+        errors.push_back(std::fabs(nearest - true_distance(two_polygons(), hip)));
     }
     std::nth_element(errors.begin(), errors.begin() + 9900, errors.end());
     return errors[9900];
