@@ -112,6 +112,7 @@ private:
     std::optional<protocols::TrialId> trial_{};
     bool reveal_wanted_ = false;
     std::optional<protocols::MarkReply> reply_{};
+    std::vector<std::shared_ptr<Caller>> marking_{};  ///< of marks that the session has yet to do
 };
 
 }  // namespace palpate::ui
