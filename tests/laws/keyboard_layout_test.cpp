@@ -14,10 +14,10 @@ constexpr const char* kLetterZ = "#52";
 }  // namespace
 
 // The Czech layout has letters where others have digits and changes Y with Z, the Russian one has
-// no Latin letter at all.
+// no Latin letter at all, the Greek one neither, and a sign at the place of Q.
 TEST_CASE("answers and the experimenter's chords are heard on every keyboard layout",
           "[window][law]") {
-    const char* layout = GENERATE("cz", "ru");
+    const char* layout = GENERATE("cz", "ru", "gr");
     CAPTURE(layout);
     const TemporaryFile file("d.sqlite");
     WindowSession session({"run", kFourTrials, "--participant", "P1", "--db", file, "--device",

@@ -17,14 +17,12 @@ constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
 
 /// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the
-/// layout has no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their
-/// place itself.)
+/// layout has it nowhere, as Greek and Hebrew ones, whose Q writes a sign. (Digits that need Shift,
+/// as on French layouts, SDL takes by their place itself.)
 SDL_Keycode meant_by(const SDL_Keysym& key) {
-    const bool other_script = key.sym > 0x7f && (key.sym & SDLK_SCANCODE_MASK) == 0;
-    if (other_script && key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z) {
-        return SDLK_a + (key.scancode - SDL_SCANCODE_A);
-    }
-    return key.sym;
+    const SDL_Keycode letter = SDLK_a + (key.scancode - SDL_SCANCODE_A);
+    const bool is_letter = key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z;
+    return is_letter && SDL_GetScancodeFromKey(letter) == SDL_SCANCODE_UNKNOWN ? letter : key.sym;
 }
 
 std::string marked_text(const Words& words, const protocols::MarkReply& reply) {
