@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/cues.hpp"
 #include "protocols/observer/outline_cues.hpp"
@@ -64,6 +65,9 @@ public:
     [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
+    [[nodiscard]] Signal feedback(const TrialView& /*trial*/, bool /*correct*/) override {
+        return gap(kFeedbackSeconds);
+    }
     [[nodiscard]] Signal gap(double seconds) override;
     [[nodiscard]] Signal rest(double seconds, const TrialView& /*next*/) override {
         return gap(seconds);
@@ -73,7 +77,8 @@ public:
     /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes
     /// were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
-    /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
+    /// How long all so far would have taken a person: explorations, answers, what
+    /// the screen says of them, gaps and breaks; s.
     [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
 private:

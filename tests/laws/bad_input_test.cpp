@@ -41,6 +41,10 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
     for (const Wrong& wrong :
          {Wrong{{}, "a command is missing"}, Wrong{{"fly"}, "fly"}, Wrong{{"run"}, "PROTOCOL"},
           Wrong{{"sql", db, "SELECT 1"}, "\"SELECT 1\" is one word too many; palpate sql --help"},
+          Wrong{{"mark", db, "--", "-1", "--invalid", "x"},
+                "\"--invalid\" is one word too many: no word behind -- is an option"},
+          Wrong{{"report", db, "-o", "r.html", "--trial", "1", "--versions", "apart"},
+                "--trial excludes --versions"},
           Wrong{{"run", "nothing.toml", "--participant", "P1", "--db", db}, "nothing.toml"},
           Wrong{{"run", "shape_friction_demo", "--participant", "Jane Doe", "--db", db},
                 "Jane Doe"},

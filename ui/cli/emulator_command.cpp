@@ -230,7 +230,7 @@ void live(
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
         engine::PtyBoard terminal(board, options.link);
         return serve(
-            terminal, [&](double s) { board.set_faults({.delay = s}); },
+            terminal, [&](double s) { board.delay_answers(s); },
             [&](const std::string& line) { return obey_wire(board, line) || obey(line); }, look,
             delay);
     }

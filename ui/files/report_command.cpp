@@ -34,7 +34,7 @@ void declare_samples(CommandWords& words, ReportWords& options) {
         .within(0, 1000000)
         .with_default()
         .excludes("--trial");
-    add_versions(words, options.versions);
+    add_versions(words, options.versions).excludes("--trial");
 }
 
 void declare(CommandWords& words, ReportWords& options) {
