@@ -26,15 +26,12 @@ const ui::WindowOptions kSmall{.width = 640, .height = 480, .font = {}, .instruc
 ui::SubjectScreenOptions small_screen(bool dead_man,
                                       ResponseKind asks = ResponseKind::identification,
                                       double guard_s = 0.25) {
-    return {.window = kSmall,
-            .watermark = {},
-            .interrupted = {},
-            .on_pointer = {},
-            .dead_man = dead_man,
-            .guard_s = guard_s,
-            .asks = asks,
-            .on_hold = {},
-            .on_stop = {}};
+    ui::SubjectScreenOptions options;
+    options.window = kSmall;
+    options.dead_man = dead_man;
+    options.guard_s = guard_s;
+    options.asks = asks;
+    return options;
 }
 
 /// Presses a key again and again until `ask` has come back.

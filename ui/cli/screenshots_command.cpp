@@ -31,7 +31,7 @@ public:
           const WindowOptions& options)
         : directory_(directory),
           protocol_(protocol),
-          stage_(options, "", {}),
+          stage_({.window = options}),
           pictures_(make_pictures(protocol, plan.picture_order)),
           intervals_(intervals_of(protocol)) {
         const protocols::PendingTrials all(plan);

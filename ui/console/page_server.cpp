@@ -79,19 +79,16 @@ std::string_view value_of(MHD_Connection* connection, MHD_ValueKind kind, const 
 
 /// How often a key came: two Hosts are nobody's.
 std::size_t times(MHD_Connection* connection, const char* key) {
-    struct Count {
-        std::string_view key;
-        std::size_t times = 0;
-    } count{.key = key};
+    std::pair<const char*, std::size_t> count{key, 0};
     MHD_get_connection_values(
         connection, MHD_HEADER_KIND,
         [](void* at, MHD_ValueKind, const char* name, const char*) {
-            auto& counted = *static_cast<Count*>(at);
-            counted.times += strcasecmp(name, counted.key.data()) == 0 ? 1U : 0U;
+            auto& [wanted, seen] = *static_cast<decltype(count)*>(at);
+            seen += strcasecmp(name, wanted) == 0 ? 1U : 0U;
             return MHD_YES;
         },
         &count);
-    return count.times;
+    return count.second;
 }
 
 const char* type_of(std::string_view path) {

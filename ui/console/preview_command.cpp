@@ -19,6 +19,7 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/open_device.hpp"
+#include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -73,11 +74,7 @@ private:
 std::pair<std::string, bool> said_by(const std::vector<std::string>& words) {
     std::string line = fmt::format("exec /proc/{}/exe", getpid());
     for (const std::string& word : words) {
-        line += " '";
-        for (const char c : word) {
-            line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        }
-        line += '\'';
+        line += ' ' + shell_word(word);
     }
     auto [said, status] = output_of(line + " 2>&1");
     return {std::move(said), status == 0};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <condition_variable>
 #include <exception>
 #include <map>
@@ -299,15 +298,12 @@ std::size_t grown(const SimulationSpec& spec, data::Database& partial) {
 
 Shard parse_shard(const std::string& text) {
     constexpr std::size_t kMax = 100'000;
-    Shard shard;
-    const char* end = text.data() + text.size();
-    const auto number = std::from_chars(text.data(), end, shard.number);
-    const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
-    const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
-    refuse_if(!slash || of.ec != std::errc() || of.ptr != end || shard.number >= shard.of ||
-                  shard.of > kMax,
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const auto number = parsed<std::size_t>(text.substr(0, slash));
+    const auto of = parsed<std::size_t>(text.substr(std::min(slash + 1, text.size())));
+    refuse_if(!number || !of || *number >= *of || *of > kMax,
               "--shard {}: give K/N, a number from 0 to N - 1 of at most {}, as 0/8", text, kMax);
-    return shard;
+    return {*number, *of};
 }
 
 std::string shard_name(const Shard& shard) {

@@ -23,13 +23,7 @@ Signal or_abort(bool aborted, Signal signal) {
 class SpectatorScreen : public protocols::Observer {
 public:
     SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
-        : observer_(observer),
-          asks_(options.asks),
-          stage_(options.window,
-                 options.watermark,
-                 options.interrupted,
-                 options.desk,
-                 options.on_stop) {}
+        : observer_(observer), asks_(options.asks), stage_(options) {}
 
     [[nodiscard]] Signal welcome(const protocols::SessionView& session) override {
         stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,

@@ -43,19 +43,8 @@ int digit_of(std::int32_t symbol) {
 
 }  // namespace
 
-Stage::Stage(const WindowOptions& window,
-             std::string watermark,
-             std::function<bool()> interrupted,
-             protocols::OperatorDesk* desk,
-             std::function<void(engine::Trip, const char*)> on_stop,
-             std::function<void()> on_close)
-    : window_(window),
-      watermark_(std::move(watermark)),
-      interrupted_(std::move(interrupted)),
-      looked_ns_(monotonic_ns()),
-      desk_(desk),
-      on_stop_(std::move(on_stop)),
-      on_close_(std::move(on_close)) {
+Stage::Stage(StageOptions options)
+    : options_(std::move(options)), window_(options_.window), looked_ns_(monotonic_ns()) {
     SDL_PumpEvents();
     SDL_FlushEvent(
         SDL_WINDOWEVENT);  // of the window that SDL made first, and hid, for its renderer
@@ -91,10 +80,10 @@ std::string Stage::sentence_of(Bar bar) const {
 
 /// What became of a mark, once the session says so.
 void Stage::show_reply() {
-    if (desk_ == nullptr || bar_ == Bar::stop || bar_ == Bar::mark) {
+    if (options_.desk == nullptr || bar_ == Bar::stop || bar_ == Bar::mark) {
         return;
     }
-    if (const auto reply = desk_->take_reply()) {
+    if (const auto reply = options_.desk->take_reply()) {
         reply_ = *reply;
         show_bar(Bar::marked);
     }
@@ -108,8 +97,8 @@ void Stage::redraw() {
     if (face_) {
         face_(window_);
     }
-    if (!watermark_.empty()) {
-        draw_watermark(window_, watermark_);
+    if (!options_.watermark.empty()) {
+        draw_watermark(window_, options_.watermark);
     }
     if (bar_ != Bar::none) {
         draw_bar(window_, sentence_of(bar_));
@@ -117,9 +106,9 @@ void Stage::redraw() {
     window_.present();
 }
 
-void Stage::stop() const {
-    if (on_stop_) {
-        on_stop_(engine::Trip::stopped, protocols::kEscapeAtScreen);
+void Stage::stop(engine::Trip cause, const char* way) const {
+    if (options_.on_stop) {
+        options_.on_stop(cause, way);
     }
 }
 
@@ -134,7 +123,7 @@ bool Stage::forget_earlier() {
         const SDL_Keycode symbol = event.key.keysym.sym;
         released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
         if (event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE && event.key.repeat == 0) {
-            stop();
+            stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
         }
     }
     SDL_FlushEvents(SDL_MOUSEBUTTONDOWN, SDL_MOUSEBUTTONUP);
@@ -193,7 +182,7 @@ Input Stage::answer_question(std::int32_t symbol) {
         return {.kind = Input::Kind::stop};
     }
     if (symbol == SDLK_y && asked == Bar::mark) {
-        desk_->mark();
+        options_.desk->mark();
     }
     return {.kind =
                 symbol == SDLK_y && asked == Bar::stop ? Input::Kind::abort : Input::Kind::none};
@@ -208,11 +197,11 @@ bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
         show_bar(Bar::stop);
     } else if (desk_closed_ && (symbol == SDLK_m || symbol == SDLK_p)) {
         show_bar(Bar::over);
-    } else if (symbol == SDLK_m && desk_ != nullptr) {
+    } else if (symbol == SDLK_m && options_.desk != nullptr) {
         show_bar(Bar::mark);
-    } else if (symbol == SDLK_p && desk_ != nullptr) {
-        desk_->pause();
-        show_bar(desk_->wants_pause() ? Bar::pause_comes : Bar::no_pause);
+    } else if (symbol == SDLK_p && options_.desk != nullptr) {
+        options_.desk->pause();
+        show_bar(options_.desk->wants_pause() ? Bar::pause_comes : Bar::no_pause);
     } else {
         return false;
     }
@@ -266,8 +255,8 @@ Input Stage::read(const SDL_Event& event) {
         return {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
     }
     if (event.type == SDL_QUIT) {
-        if (on_close_) {
-            on_close_();
+        if (options_.on_close) {
+            options_.on_close();
         }
         return {.kind = Input::Kind::lost, .way = "window to be closed"};
     }
@@ -294,7 +283,7 @@ Input Stage::read_window(const SDL_Event& event) {
 Input Stage::next(int wait_ms) {
     const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(wait_ms) * 1'000'000;
     for (;;) {
-        if (display_lost() || (interrupted_ && interrupted_())) {
+        if (display_lost() || (options_.interrupted && options_.interrupted())) {
             return {.kind = Input::Kind::abort};
         }
         window_.mind_frame();
@@ -331,7 +320,7 @@ Input Stage::next(int wait_ms) {
             continue;
         }
         if (input.kind == Input::Kind::stop) {
-            stop();
+            stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
         }
         if (input.kind != Input::Kind::none) {
             input.seen_ns = monotonic_ns();
@@ -358,7 +347,8 @@ bool Stage::pause_or_abort() {
     constexpr int kWaitMs = 50;
     drop_bar();  // it has come
     show(PauseFace{});
-    while (desk_ != nullptr && !desk_->wants_stop() && !desk_->take_pause()) {
+    while (options_.desk != nullptr && !options_.desk->wants_stop() &&
+           !options_.desk->take_pause()) {
         if (next(kWaitMs).kind == Input::Kind::abort) {
             return true;
         }

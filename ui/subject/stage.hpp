@@ -39,6 +39,18 @@ struct Input {
         0.0;  ///< time since the queue was last looked at: how late it may be seen
 };
 
+/// How a window looks, and what ends it.
+struct StageOptions {
+    WindowOptions window{};
+    std::string watermark{};                  ///< "SIMULATED", "PILOT" or nothing
+    std::function<bool()> interrupted{};      ///< a signal asks the session to end
+    protocols::OperatorDesk* desk = nullptr;  ///< outlives the window; none: its keys do nothing
+    /// The force off, now, for this cause and in this way: Escape on any screen, and while an
+    /// object is felt whatever takes the window out of the participant's sight or reach.
+    std::function<void(engine::Trip, const char*)> on_stop{};
+    std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
+};
+
 /// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y
 /// within 3 s stops; nothing else can end a session, closing the window neither. Escape is one
 /// step, whatever is shown: no force is wanted, and it ends no more than a trial. For the
@@ -46,16 +58,7 @@ struct Input {
 /// marks the trial, and Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:
-    /// @param interrupted  a signal asks the session to end
-    /// @param desk         outlives this; none: its keys do nothing
-    /// @param on_stop      the force off, now, for this cause and in this way
-    /// @param on_close     somebody wants to close the window, which stays
-    Stage(const WindowOptions& window,
-          std::string watermark,
-          std::function<bool()> interrupted,
-          protocols::OperatorDesk* desk = nullptr,
-          std::function<void(engine::Trip, const char*)> on_stop = {},
-          std::function<void()> on_close = {});
+    explicit Stage(StageOptions options);
 
     /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the
     /// window's title. Returns the time of presentation.
@@ -83,6 +86,8 @@ public:
     void need_keyboard(bool needed);
     /// How much it kept back since guard_until().
     [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }
+    /// No force: says so to whoever made the window.
+    void stop(engine::Trip cause, const char* way) const;
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
     /// Shows that the session pauses until the desk asks again, or somebody wants no force, which
@@ -94,7 +99,6 @@ public:
 
 private:
     void redraw();
-    void stop() const;
     void mind_keyboard();
     [[nodiscard]] Input read_window(const SDL_Event& event);
     /// Of the canvas, from where the display says that the pointer is.
@@ -119,16 +123,12 @@ private:
     void show_reply();
     bool chord(std::int32_t symbol, std::uint16_t modifiers);
 
+    StageOptions options_;
     Window window_;
-    std::string watermark_;
-    std::function<bool()> interrupted_;
     std::function<void(Window&)> face_;
     std::int64_t looked_ns_ = 0;   ///< when the queue was last seen empty
     std::int64_t guarded_ns_ = 0;  ///< until then nothing answers
     std::size_t early_ = 0;
-    protocols::OperatorDesk* desk_;
-    std::function<void(engine::Trip, const char*)> on_stop_;
-    std::function<void()> on_close_;
     protocols::MarkReply reply_{};  ///< of Bar::marked
     bool desk_closed_ = false;
     bool in_trial_ = false;

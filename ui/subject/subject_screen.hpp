@@ -15,30 +15,21 @@
 
 namespace palpate::ui {
 
-/// How the screen looks, and what ends it.
-struct SubjectScreenOptions {
-    WindowOptions window{};
-    std::string watermark;              ///< "SIMULATED", "PILOT" or nothing
-    std::function<bool()> interrupted;  ///< a signal asks the session to end
+/// How the screen looks, what it tells, and what ends it.
+struct SubjectScreenOptions : StageOptions {
     /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is
     /// not.
-    std::function<void(const engine::Vec2&)> on_pointer;
+    std::function<void(const engine::Vec2&)> on_pointer{};
     /// Where the handle is between trials. Empty, or nowhere: it has no way to a start.
     std::function<std::optional<engine::Vec3>()> place{};
-    protocols::StartGate gate{};     ///< where a trial may begin
-    engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
+    protocols::StartGate gate{};  ///< where a trial may begin; a pointer is put to its start
     /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
     bool dead_man = false;
     double guard_s = 0.25;  ///< what is pressed earlier after a screen appeared is no answer to it
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
     /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at
     /// latest with the first explore() after the key was let go.
-    std::function<void(bool)> on_hold;
-    protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// The force off, now, for this cause and in this way: Escape on any screen, and while an
-    /// object is felt whatever takes the window out of the participant's sight or reach.
-    std::function<void(engine::Trip, const char*)> on_stop;
-    std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
+    std::function<void(bool)> on_hold{};
 };
 
 /// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how
@@ -88,7 +79,6 @@ private:
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);
-    void stop(engine::Trip cause, const char* way);
 
     SubjectScreenOptions options_;
     Stage stage_;
