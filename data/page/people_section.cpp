@@ -70,12 +70,14 @@ std::string flow_html(const Study& study, const Rows& rows) {
     out += step(sum_of(rows, "answered"), "answered", invalid);
     out += step(sum_of(rows, "counting"), "count", of_left);
     out += step(sum_of(rows, "analysed"), "analysed, exclusions applied");
-    return out +
-           fmt::format("</ol>\n</div>\n</div>\n<p>Exclusions not applied: {} answers of {}.</p>\n",
-                       sum_of(rows, "answered"),
-                       counted(std::ranges::count_if(rows.numbers("answered"),
-                                                     [](double n) { return n > 0.0; }),
-                               "person", "people"));
+    out += "</ol>\n</div>\n</div>\n";
+    const auto answered = sum_of(rows, "answered");
+    return answered == sum_of(rows, "analysed")
+             ? out + "<p>Nothing was excluded: every answer is analysed.</p>\n"
+             : out + fmt::format("<p>Exclusions not applied: {} answers of {}.</p>\n", answered,
+                                 counted(std::ranges::count_if(rows.numbers("answered"),
+                                                               [](double n) { return n > 0.0; }),
+                                         "person", "people"));
 }
 
 /// Share correct with exclusions applied and not.

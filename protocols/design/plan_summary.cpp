@@ -81,6 +81,10 @@ PlanSummary summarise(const Plan& plan) {
     return summary;
 }
 
+double choice_seconds(const Protocol& protocol) noexcept {
+    return kChoiceSeconds * (protocol.response.confidence ? 2.0 : 1.0);
+}
+
 Duration duration_of(const Plan& plan, const Protocol& protocol) {
     const TimingSpec& timing = protocol.timing;
     const auto trials = static_cast<double>(plan.trials.size());
@@ -93,7 +97,7 @@ Duration duration_of(const Plan& plan, const Protocol& protocol) {
                                    ? practice_trials(plan)
                                    : 0.0;
     const double ramps = 2.0 * protocol.apparatus.force_ramp;
-    const double person = intervals * kReadySeconds + kChoiceSeconds;
+    const double person = intervals * kReadySeconds + choice_seconds(protocol);
     const double between = breaks * timing.break_min + with_feedback * kFeedbackSeconds +
                            std::max(trials * intervals - 1.0 - breaks, 0.0) * timing.gap;
     const auto felt_for = [&](double seconds) {

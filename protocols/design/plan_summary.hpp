@@ -38,7 +38,9 @@ struct PlanSummary {
 /// What a protocol cannot say of a trial: how quick a person is. Guesses, to be named with the
 /// result.
 inline constexpr double kReadySeconds = 2.0;   ///< to bring the handle to the start pose
-inline constexpr double kChoiceSeconds = 3.0;  ///< to choose among the pictures
+inline constexpr double kChoiceSeconds = 3.0;  ///< to choose among the pictures, or say how sure
+/// Of a trial: to answer its question, and to say how sure one is where that is asked.
+[[nodiscard]] double choice_seconds(const Protocol& protocol) noexcept;
 
 /// How long the screen says right or wrong, s.
 inline constexpr double kFeedbackSeconds = 1.0;
@@ -46,7 +48,7 @@ inline constexpr double kFeedbackSeconds = 1.0;
 /// How long a session takes, s, without instructions and without trials that are run again.
 struct Duration {
     double shortest = 0.0;  ///< every trial felt for explore_min, no time for ready and choice
-    double prompted = 0.0;  ///< felt until explore_prompt, kReadySeconds and kChoiceSeconds beside
+    double prompted = 0.0;  ///< felt until explore_prompt, with kReadySeconds and choice_seconds()
     double longest = 0.0;   ///< every trial felt until explore_timeout, else as prompted
 };
 

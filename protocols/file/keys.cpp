@@ -308,7 +308,7 @@ constexpr Key kRows<ObserverSpec>[]{
 template <>
 constexpr Key kRows<MaskingSpec>[]{
     {.name = "noise", .slot = at<&MaskingSpec::noise>,
-     .meaning = "on the headphones from the ready screen until the answer, over the sound of the motors"},
+     .meaning = "on the headphones from the ready screen until the question, over the sound of the motors"},
     {.name = "level_db", .slot = at<&MaskingSpec::level_db>, .range = {-60, 0},
      .meaning = "root mean square against full scale; how loud that is, measure on your headphones"},
 };

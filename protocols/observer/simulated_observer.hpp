@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/cues.hpp"
 #include "protocols/observer/person.hpp"
@@ -63,6 +64,9 @@ public:
     [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
+    [[nodiscard]] Signal feedback(const TrialView& /*trial*/, bool /*correct*/) override {
+        return gap(kFeedbackSeconds);
+    }
     [[nodiscard]] Signal gap(double seconds) override;
     [[nodiscard]] Signal rest(double seconds, const TrialView& /*next*/) override {
         return gap(seconds);
@@ -74,7 +78,8 @@ public:
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
     /// What is felt of the curvature in the running interval, or was in the last one.
     [[nodiscard]] Cues felt() const { return cues_.back().cues(); }
-    /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
+    /// How long all so far would have taken a person: explorations, answers, what
+    /// the screen says of them, gaps and breaks; s.
     [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
 private:

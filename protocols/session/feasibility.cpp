@@ -151,6 +151,12 @@ void check_workspace(const Protocol& protocol,
     }
 }
 
+/// N > 0, to three digits and no more than it is.
+double rounded_down(double force) {
+    const double digit = std::pow(10.0, std::floor(std::log10(force)) - 2.0);
+    return std::floor(force / digit * (1.0 + kRounding)) * digit;
+}
+
 void check_force(const Protocol& protocol,
                  const std::vector<Spot>& spots,
                  std::vector<Finding>& findings) {
@@ -172,8 +178,7 @@ void check_force(const Protocol& protocol,
                      "the limit the same everywhere",
                      *weakest->force, point_text(weakest->point, protocol.surface.has_value()),
                      weakest->object->name, apparatus.force_limit, apparatus.stiffness,
-                     1e3 * *weakest->force / apparatus.stiffness,
-                     std::floor(100.0 * *weakest->force) / 100.0)});
+                     1e3 * *weakest->force / apparatus.stiffness, rounded_down(*weakest->force))});
 }
 
 }  // namespace

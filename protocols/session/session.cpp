@@ -232,7 +232,7 @@ private:
         const std::size_t done = pending().answered();
         const bool planned = plan_.trials[done].break_before && rested_ != done;
         if (!planned && trusted()) {
-            return ports_.observer.gap(protocol_.timing.gap);
+            return waiting([&] { return ports_.observer.gap(protocol_.timing.gap); });
         }
         if (!trusted() && trust_.state == Trust::unknown) {
             return mend_unproved(kNotProved);
@@ -293,9 +293,10 @@ private:
     Signal tell(const TrialView& trial, const TrialResult& result) {
         const Feedback when = protocol_.response.feedback;
         const bool due = when == Feedback::all || (when == Feedback::practice && trial.practice);
-        return due && result.response && result.response->correct
-                 ? ports_.observer.feedback(trial, *result.response->correct)
-                 : Signal::go_on;
+        return due && result.response && result.response->correct ? waiting([&] {
+            return ports_.observer.feedback(trial, *result.response->correct);
+        })
+                                                                  : Signal::go_on;
     }
 
     void note_invalid(const PlannedTrial& planned, const TrialResult& result) {

@@ -1,6 +1,8 @@
 #include "protocols/session/trouble.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -68,6 +70,20 @@ public:
         sentence_ = !solved_ ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
     }
 
+    /// Found right, and not left to itself since: a device that goes away meanwhile is waited for.
+    void look_again() {
+        const auto place = ports_.apparatus.place();
+        const std::string trouble = ports_.apparatus.trouble();
+        const bool away = place && !std::isfinite(place->x) && !trouble.empty();
+        if (std::exchange(away_, away) && away) {  // twice: it was not just late
+            solved_ = back_ = false;
+            sentence_ = trouble;
+            rig_.happened({.kind = EventKind::fault,
+                           .text = "while the session waited: " + trouble,
+                           .value = std::string(to_string(ports_.apparatus.place_fault()))});
+        }
+    }
+
     [[nodiscard]] bool solved() const { return solved_; }
 
     /// What is to be said now: also of what stands against every force, as long as it does.
@@ -119,6 +135,7 @@ private:
     std::int64_t begun_ns_ = monotonic_ns();
     double slept_s_ = 0.0;
     bool back_ = false;
+    bool away_ = false;      ///< when it was last looked at, after it was found right
     bool was_away_ = false;  ///< what was said of it is no longer so
 };
 
@@ -148,8 +165,8 @@ MendResult mend(Ports& ports,
         if (const char* way = note_stop(ports, trial)) {
             mending.stop(way);
         }
-        if (!mending.solved() && slice % kSlicesPerTry == 0) {
-            mending.try_on(waited_s);
+        if (slice % kSlicesPerTry == 0) {
+            mending.solved() ? mending.look_again() : mending.try_on(waited_s);
         }
         mending.say_now();
         if (ports.interrupted()) {

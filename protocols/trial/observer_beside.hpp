@@ -18,6 +18,14 @@ enum class SessionStep : std::uint8_t {
     ended
 };
 
+/// Whether masking noise is to be heard at a step: from Ready until the question, between two
+/// intervals as well.
+/// @param before  it was at the step before
+[[nodiscard]] constexpr bool noise_at(SessionStep step, bool before) noexcept {
+    return step == SessionStep::ready ||
+           (before && (step == SessionStep::explore || step == SessionStep::gap));
+}
+
 /// Whoever answers, for somebody beside who hears of each step before it begins.
 class ObserverBeside : public Observer {
 public:

@@ -14,9 +14,9 @@ constexpr const char* kLetterZ = "#52";
 }  // namespace
 
 // The Czech layout has letters where others have digits and changes Y with Z, the Russian one has
-// no Latin letter at all.
+// no Latin letter at all, the Greek one neither, and a sign at the place of Q.
 TEST_CASE("answers and the experimenter's chords are heard on every keyboard layout", "[window]") {
-    const char* layout = GENERATE("cz", "ru");
+    const char* layout = GENERATE("cz", "ru", "gr");
     CAPTURE(layout);
     PointerSession session;
     session.wait_for_screen("welcome");

@@ -12,6 +12,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stranger.hpp"
+#include "tests/support/window_session.hpp"
 
 // What others see of a running session and may ask of it: the program itself, its control socket
 // and its shared memory. Nothing is asserted about time.
@@ -337,4 +338,23 @@ TEST_CASE("another user is heard only with the file open for writing, and then o
     CHECK((geteuid() != 0 || session.keeps(events_of("stop"), "1")));
     CHECK(session.kept(events_of("pause")) == "0");
     CHECK(session.program.ended_by(SIGTERM) == 3);
+}
+
+TEST_CASE("a mark of a trial that is over is answered by what came of it", "[window][live][law]") {
+    const TemporaryFile file("d.sqlite");
+    WindowSession session({"run", kFourTrials, "--participant", "P1", "--db", file, "--device",
+                           "mouse", "--kind", "pilot"});
+    session.go_through({"welcome", "ready", "explore"});
+    session.press_at("question", "2");
+    session.wait_for_screen("ready");
+    const std::string name = ui::running_sessions(file).at(0).name;
+    for (const char* says : {"trial 1 of 4 #1 is marked: it does not count and runs again later",
+                             "nothing to mark: no answer of this run"}) {
+        const data::Json said = data::Json::parse(
+            ui::ask_session(name, R"({"do":"mark","reason":"the bell rang"})").line);
+        CHECK_THAT(said.value("text", ""), StartsWith(says));
+    }
+    CHECK(session.program().ended_by(SIGTERM) == 3);
+    CHECK(session.ask("SELECT count(*) FROM trial WHERE invalid_reason LIKE '%the bell rang'") ==
+          "1");
 }

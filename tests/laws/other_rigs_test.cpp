@@ -87,6 +87,7 @@ TEST_CASE("an encoder that jumps at Ready is a fault, and a hand that brings the
     CHECK(number(folder, "event WHERE event_kind = 'fault' AND value IN ('jump', 'over_speed')") ==
           "0");
     board.bring(fmt::format("turned {}", 180 * 360.0 / 4880.0));
+    board.bring("delay 0");  // of its answers, not of its discs
     run.wait_for("trouble");
     CHECK(run.program().says("the handle jumped"));
     CHECK(run.program().says("one of them slipped"));  // nothing goes on by itself

@@ -1,4 +1,4 @@
-#include "protocols/library/new_protocol.hpp"
+#include "protocols/library/shipped.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/database_edits.hpp"

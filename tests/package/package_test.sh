@@ -50,6 +50,7 @@ use_it() {
     holds 'bash completes a command' completes 'palpate comm' commission
     holds 'bash completes an option' completes 'palpate run --partic' --participant
     holds 'bash completes a value that is one of a few' completes 'palpate export x --format bi' bids
+    holds 'bash completes a value behind a =' completes 'palpate export x --format = bi' bids
     holds 'bash leaves files to itself' completes 'palpate run x --db x' ''
     holds 'every line of the udev rules is one' quiet grep -vE \
         '^(#.*|([A-Z]+(\{[A-Za-z_]+\})?(==|!=|=|\+=)"[^"]*"(, |$))+)?$' "$root/usr/lib/udev/rules.d/70-palpate.rules"

@@ -201,6 +201,9 @@ TEST_CASE("a weak device is a warning that says from where on the force clips") 
     device.force = 4.0;
     CHECK_THAT(only(Verdict::warn, check_feasibility(felt_study(500.0), device)),
                Has("gives 4 N", "a depth of 8 mm", "force_limit_n = 10"));
+    device.force = 0.001239;  // 0 would be no limit
+    CHECK_THAT(only(Verdict::warn, check_feasibility(felt_study(500.0), device)),
+               Has("and force_limit_n = 0.00123 would"));
     device.force = 10.0;
     CHECK(check_feasibility(felt_study(500.0), device).empty());
 }

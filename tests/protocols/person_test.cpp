@@ -212,8 +212,9 @@ TEST_CASE("reaction times of a person are lognormal, longer in doubt, and add up
         REQUIRE(who.ready(view) == Signal::go_on);
         static_cast<void>(who.explore(view, 3.5));
         const double reaction = who.choose(view, which_of(pictures)).reaction_s;
+        REQUIRE(who.feedback(view, true) == Signal::go_on);
         REQUIRE(who.gap(1.5) == Signal::go_on);
-        time += 3.5 + reaction + 1.5;
+        time += 3.5 + reaction + 1.0 + 1.5;
         logs.push_back(std::log(reaction));
     }
     check_spread(spread_of(logs), std::log(2.0 * 1.8), 0.3);

@@ -273,6 +273,10 @@ TEST_CASE("the duration adds what every trial and every break take") {
     CHECK_THAT(duration.shortest, Catch::Matchers::WithinRel(114 * 2.4 + kBetween, 1e-12));
     CHECK_THAT(duration.prompted, Catch::Matchers::WithinRel(114 * 35.4 + kBetween, 1e-12));
     CHECK_THAT(duration.longest, Catch::Matchers::WithinRel(114 * 50.4 + kBetween, 1e-12));
+    study.response.confidence = true;
+    CHECK_THAT(duration_of(plan, study).prompted,
+               Catch::Matchers::WithinRel(duration.prompted + 114 * 3.0, 1e-12));
+    study.response.confidence = false;
     study.response.feedback = Feedback::practice;
     CHECK_THAT(duration_of(plan, study).shortest,
                Catch::Matchers::WithinRel(duration.shortest + 10.0, 1e-12));

@@ -101,3 +101,52 @@ TEST_CASE("whether it is the session's device is asked wherever one began anew o
     CHECK(prove_step(rig, Trust::unknown).event);
     CHECK(rig.trouble().empty());
 }
+
+TEST_CASE("a device that goes away while a trouble waits to be left is waited for again",
+          "[session][trust][fault][law]") {
+    World world;
+    world.fault_share = 1.0;
+    world.max_faults = 1;
+    class Unplugged : public ChangingRig {
+    public:
+        using ChangingRig::ChangingRig;
+        [[nodiscard]] bool reconnect() override {
+            ++asked;
+            out = out && asked < 3;  // somebody puts it in again
+            return !out && ChangingRig::reconnect();
+        }
+        [[nodiscard]] std::string trouble() const override { return out ? "the cable is out" : ""; }
+        [[nodiscard]] std::optional<engine::Vec3> place() override {
+            return out ? engine::Vec3(std::numeric_limits<double>::infinity()) : engine::Vec3(0.0);
+        }
+        [[nodiscard]] Trip place_fault() const override { return Trip::device_lost; }
+        bool out = false;
+        int asked = 0;
+    } rig(world, 0, Trip::over_speed);
+    class Slow : public Patient {  // lets the cable be pulled before going on for the first time
+    public:
+        explicit Slow(Unplugged& pulled) : rig_(&pulled) {}
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            troubles.push_back(view);
+            if (troubles.size() > 1000) {
+                return Signal::abort;
+            }
+            if (view.solved && !pulled_) {
+                pulled_ = rig_->out = true;
+                rig_->asked = 0;
+            }
+            const bool again = !rig_->out && rig_->asked > 0;
+            return view.solved && again ? std::optional(Signal::go_on) : std::nullopt;
+        }
+
+    private:
+        Unplugged* rig_;
+        bool pulled_ = false;
+    } observer(rig);
+    Kinds kept;
+    CHECK((run_on(short_protocol(), rig, observer, kept).why == SessionEnd::Why::finished));
+    CHECK(std::ranges::any_of(observer.troubles, [](const TroubleView& view) {
+        return !view.solved && view.sentence == "the cable is out";
+    }));
+    CHECK(kept.causes["device_lost"] > 0);
+}

@@ -12,8 +12,8 @@ using engine::Vec2;
 
 namespace {
 
-const std::vector<Vec2> kSizes{
-    {800.0, 600.0}, {1280.0, 720.0}, {600.0, 800.0}, {1080.0, 1920.0}, {2560.0, 1080.0}};
+const std::vector<Vec2> kSizes{{800.0, 600.0}, {800.0, 480.0},   {1280.0, 720.0},
+                               {600.0, 800.0}, {1080.0, 1920.0}, {2560.0, 1080.0}};
 
 /// As much as a protocol may say, in words and in rows.
 std::string longest(const std::string& words) {

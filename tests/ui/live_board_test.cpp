@@ -137,3 +137,26 @@ TEST_CASE(
         CHECK(fits(DeviceClass::mouse, kind) == (kind == Kind::mouse));
     }
 }
+
+TEST_CASE("noise is said to be on from Ready to the question, between two intervals as well",
+          "[live][sound][law]") {
+    const Protocol protocol = demo();
+    const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
+    const OperatorDesk desk;
+    ui::LiveBoard board({.session = R"({"session":"u"})", .masking_db = -30.0}, protocol, plan,
+                        desk);
+    const ui::LiveReader reader(board.descriptor());
+    TrialView view{.number = 3, .total = 9, .intervals = 2};
+    std::string heard;
+    using enum SessionStep;
+    for (const SessionStep step :
+         {welcome, ready, explore, gap, ready, explore, question, feedback, gap, rest, ready}) {
+        board.enter(step, &view);
+        const bool on =
+            reader.state().value().json.find(R"("masking":{"on":true)") != std::string::npos;
+        heard += on ? '1' : '0';
+    }
+    CHECK(heard == "01111100001");
+    board.enter(TroubleView{.sentence = "the cable is out"});
+    CHECK_THAT(reader.state().value().json, Has(R"("masking":{"on":false)"));
+}

@@ -74,7 +74,10 @@ TEST_CASE("done is stamped on the servo's clock, and a call returns within a few
 
 TEST_CASE("the pointer is the handle: its place goes to the device, starting at the start pose") {
     std::vector<engine::Vec2> seen;
+    protocols::Protocol protocol;
+    protocol.apparatus.start = {0.0, 0.060};
     SubjectScreenOptions as_handle = options();
+    as_handle.gate = protocols::StartGate(protocol);
     as_handle.on_pointer = [&](const engine::Vec2& p) {
         seen.push_back(p);
     };

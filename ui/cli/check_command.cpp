@@ -87,11 +87,11 @@ void print_title(const Study& study) {
 void print_duration(const Protocol& protocol, const Plan& plan) {
     const protocols::Duration duration = duration_of(plan, protocol);
     say("\nduration {} if every trial is felt until the prompt at {:g} s, with {:g} s to get ready "
-        "and {:g} s\n  to choose, and every break takes {:g} s; {} if all are as quick as they may "
+        "and {:g} s\n  to answer, and every break takes {:g} s; {} if all are as quick as they may "
         "be, {} if all are felt\n  until the time-out. Instructions and trials that are run again "
         "come on top.\n",
         minutes(duration.prompted), protocol.timing.explore_prompt, protocols::kReadySeconds,
-        protocols::kChoiceSeconds, protocol.timing.break_min, minutes(duration.shortest),
+        choice_seconds(protocol), protocol.timing.break_min, minutes(duration.shortest),
         minutes(duration.longest));
     const Stretch stretch = longest_stretch(protocol, plan);
     say("{}longest stretch without a break: {}, {}\n", breaks_text(summarise(plan)),

@@ -10,7 +10,6 @@
 #include "ui/rig/say.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
-#include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -93,13 +92,7 @@ int run(const DemoOptions& options) {
         say("In real time, over a serial port to an emulated board: about two minutes.\n");
     }
     const RigEnd end = run_rig(database, spec);
-    if (end.session.why == protocols::SessionEnd::Why::faulted) {
-        throw std::runtime_error(given_up_text(end.session));
-    }
-    if (end.session.why == protocols::SessionEnd::Why::aborted && display_lost()) {
-        throw std::runtime_error(display_lost_text(end.session));
-    }
-    if (end.session.why != protocols::SessionEnd::Why::finished) {
+    if (!finished(end.session)) {
         say("Stopped before {}; the same command goes on there. Data: {}\n",
             number_text(end.session.number), options.database);
         return kExitStopped;

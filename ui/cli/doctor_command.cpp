@@ -37,7 +37,7 @@ struct DoctorSpec {
     DeviceChoice device;
     protocols::RigFile rig{};
     std::optional<protocols::Protocol> protocol{};
-    DeviceDemand demand{};
+    engine::Vec3 start{};  ///< of the handle, object frame, m
     double rate_hz = 1000.0;
 };
 
@@ -47,9 +47,9 @@ DoctorSpec plan_of(const DoctorOptions& options) {
     if (!options.protocol.empty()) {
         plan.protocol = load_study(options.protocol).protocol;
         require_fit(*plan.protocol, plan.device, plan.rig.calibration.axes());
-        plan.demand.start = engine::Vec3(  // its force is check_feasible's
-            plan.protocol->apparatus.start,
-            plan.protocol->surface ? plan.protocol->surface->start_height : 0.0);
+        plan.start =
+            engine::Vec3(plan.protocol->apparatus.start,
+                         plan.protocol->surface ? plan.protocol->surface->start_height : 0.0);
         plan.rate_hz = plan.protocol->apparatus.rate_hz;
     }
     return plan;
@@ -136,7 +136,7 @@ void look_at_device(Report& report, const std::string& word, const DoctorSpec& p
     };
     report.look("device", [&] {
         Check check = check_device(
-            word, [&] { return open_device(plan); }, plan.demand, then);
+            word, [&] { return open_device(plan); }, plan.start, then);
         const Behind board = behind(parse_device(word));
         if (board.emulator) {
             check.detail += fmt::format(

@@ -1,5 +1,6 @@
 #include <array>
 #include <functional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -130,7 +131,6 @@ private:
     bool open_ = true;
 };
 
-using SetDelay = std::function<void(double)>;          ///< s, of a board's answers from now on
 using Obey = std::function<bool(const std::string&)>;  ///< a line; false: it is of something else
 using Look = std::function<void()>;                    ///< after a step
 
@@ -149,13 +149,12 @@ std::optional<double> number_after(const std::string& line,
 }
 
 /// A board behind its port lives until somebody interrupts it.
-template <class Port>
-void serve(
-    Port& port, const SetDelay& set_delay, const Obey& obey, const Look& look, double delay) {
+template <class Port, class Board>
+void serve(Port& port, Board& board, const Obey& obey, const Look& look, double delay) {
     catch_signals();
     engine::run_like_a_board();
     say("{}\n", port.path());
-    set_delay(delay);
+    board.delay_answers(delay);
     InputLines lines;
     while (!interrupted()) {
         port.step(delay > 0.0 ? kDelayStepUs : kStepUs);
@@ -164,7 +163,7 @@ void serve(
             try {
                 if (const auto ms = number_after(line, "delay ", 0.0, 1000.0)) {
                     delay = 1e-3 * *ms;
-                    set_delay(delay);
+                    board.delay_answers(delay);
                     say("Answers take {:g} ms\n", *ms);
                 } else if (!obey(line)) {
                     warn("{}: nothing here takes this; delay 2 makes answers take 2 ms", line);
@@ -229,23 +228,20 @@ void live(
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
         engine::PtyBoard terminal(board, options.link);
         return serve(
-            terminal, [&](double s) { board.set_faults({.delay = s}); },
+            terminal, board,
             [&](const std::string& line) { return obey_wire(board, line) || obey(line); }, look,
             delay);
     }
     engine::OpenBoard board(plant, machine, *machine.board);
-    const SetDelay set_delay = [&](double s) {
-        board.delay_answers(s);
-    };
     const Obey obey_board = [&](const std::string& line) {
         return obey_cables(board, line, static_cast<double>(machine.axes())) || obey(line);
     };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
-        return serve(port, set_delay, obey_board, look, delay);
+        return serve(port, board, obey_board, look, delay);
     }
     engine::PtyBoard terminal(board, options.link);
-    serve(terminal, set_delay, obey_board, look, delay);
+    serve(terminal, board, obey_board, look, delay);
 }
 
 /// "motor 2 -1", "swap 1 2": a motor, and another or a number. @return none: it is another line
@@ -265,10 +261,10 @@ std::optional<std::pair<std::size_t, double>> motor_and(const std::string& line,
 template <class Handle>
 bool obey_handle(Handle& handle, const std::string& line, double axes) {
     if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
-        handle.strengthen(*gain);
+        handle.gain() = std::remove_reference_t<decltype(handle.gain())>(*gain);
         say("The motors give {:g} times what they are asked for\n", *gain);
     } else if (const auto one = motor_and(line, "motor ", axes)) {
-        handle.strengthen(one->first, one->second);
+        handle.gain()[static_cast<int>(one->first)] = one->second;
         say("Motor {} gives {:g} times what it is asked for\n", one->first + 1, one->second);
     } else if (line == "hold" || line == "let go") {
         handle.hold(line == "hold");

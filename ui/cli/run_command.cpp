@@ -23,7 +23,6 @@
 #include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
 #include "ui/session/session_choice.hpp"
-#include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -237,22 +236,14 @@ int say_end(const RigEnd& end, const RunOptions& options, const RigSpec& spec) {
         say("Seal {}: note it in the lab book, verify prints it.{}\n", end.head,
             end.broken ? " Note too that the session was changed before this run." : "");
     }
-    switch (end.session.why) {
-        case protocols::SessionEnd::Why::finished:
-            say("Finished. Data: {}\nNext: palpate summary {}\n", options.database,
-                shell_word(options.database));
-            return 0;
-        case protocols::SessionEnd::Why::aborted:
-            if (display_lost()) {
-                throw std::runtime_error(display_lost_text(end.session));
-            }
-            say("Stopped before {}; the same command goes on there: {}\n",
-                number_text(end.session.number), spec.go_on);
-            return kExitStopped;
-        case protocols::SessionEnd::Why::faulted:
-            break;
+    if (!finished(end.session)) {
+        say("Stopped before {}; the same command goes on there: {}\n",
+            number_text(end.session.number), spec.go_on);
+        return kExitStopped;
     }
-    throw std::runtime_error(given_up_text(end.session));
+    say("Finished. Data: {}\nNext: palpate summary {}\n", options.database,
+        shell_word(options.database));
+    return 0;
 }
 
 int run(const RunOptions& options) {

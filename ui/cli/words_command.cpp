@@ -197,6 +197,8 @@ std::string bash_completion(const std::vector<Command>& commands) {
         "# Completion of palpate's commands and options, for bash.\n"
         "_palpate() {{\n"
         "    local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}}\n"
+        "    [[ $before != = ]] || before=${{COMP_WORDS[COMP_CWORD - 2]}}\n"
+        "    [[ $word != = ]] || word=\n"
         "    COMPREPLY=()\n"
         "    local words='{} --help --version'\n"
         "    ((COMP_CWORD == 1)) || case ${{COMP_WORDS[1]}}:$before in\n"

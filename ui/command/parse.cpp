@@ -199,19 +199,23 @@ std::string why_not(const CLI::App& app,
             known.push_back("--" + name);
         }
     }
-    std::string why = error.what();
+    std::string why;
     for (std::string word : command.remaining()) {
         if (word == "--") {
             continue;
         }
-        if (word.starts_with("-")) {
-            word = word.substr(0, word.find('='));
+        word = word.starts_with('-') ? word.substr(0, word.find('=')) : word;
+        if (word.starts_with('-') && std::ranges::find(known, word) == known.end()) {
             return fmt::format("palpate {0} has no option {1}{2}; palpate {0} --help lists them",
                                command.get_name(), word, suggestion(word, known, ""));
         }
-        why = fmt::format("\"{}\" is one word too many", word);
+        if (why.empty()) {
+            why = fmt::format("\"{}\" is one word too many{}", word,
+                              word.starts_with('-') ? ": no word behind -- is an option" : "");
+        }
     }
-    return fmt::format("{}; palpate {} --help says what it takes", why, command.get_name());
+    return fmt::format("{}; palpate {} --help says what it takes", why.empty() ? error.what() : why,
+                       command.get_name());
 }
 
 }  // namespace

@@ -83,8 +83,8 @@ std::size_t times(MHD_Connection* connection, const char* key) {
     MHD_get_connection_values(
         connection, MHD_HEADER_KIND,
         [](void* at, MHD_ValueKind, const char* name, const char*) {
-            auto& [counted, times] = *static_cast<std::pair<const char*, std::size_t>*>(at);
-            times += strcasecmp(name, counted) == 0 ? 1U : 0U;
+            auto& [wanted, seen] = *static_cast<decltype(count)*>(at);
+            seen += strcasecmp(name, wanted) == 0 ? 1U : 0U;
             return MHD_YES;
         },
         &count);

@@ -62,12 +62,6 @@ struct Check {
 
 // --- device_checks.cpp
 
-/// What a protocol will ask of the device.
-struct DeviceDemand {
-    double force_n = 0.0;  ///< the protocol's force limit; 0: not known
-    engine::Vec3 start{};  ///< where the handle starts, object frame, m
-};
-
 /// For who reads the device once more while it is open; and how it is opened.
 using LookAgain = std::function<void(const engine::Device&)>;
 using OpenDevice = std::function<std::shared_ptr<engine::Device>()>;
@@ -76,10 +70,11 @@ using OpenDevice = std::function<std::shared_ptr<engine::Device>()>;
 /// that is asked and answers: how long an answer took when it was opened.
 /// @param word  as --device has it, for the text
 /// @param open  may throw: what it says becomes the remedy
+/// @param start  where the handle starts, object frame, m
 /// @param then  called with the device if it could be opened and read
 [[nodiscard]] Check check_device(const std::string& word,
                                  const OpenDevice& open,
-                                 const DeviceDemand& demand,
+                                 const engine::Vec3& start,
                                  const LookAgain& then = {});
 
 /// Can the device render this protocol (protocols::check_feasibility), and by what margin?

@@ -141,25 +141,6 @@ void say_readings(Check& check, const std::string& of, const Readings& readings,
     }
 }
 
-/// @param weakest  force at the start, N; none: not known
-void judge(Check& check,
-           const engine::Device& device,
-           const Readings& readings,
-           double wanted,
-           const std::optional<double>& weakest) {
-    if (readings.good < kReadings) {
-        check.fails(device.trouble());
-        if (check.remedy.empty()) {
-            check.remedy = "check its cable and power, and that the handle is in the workspace";
-        }
-    } else if (weakest && wanted > *weakest) {
-        check.warns(fmt::format(
-            "the protocol allows {:.1f} N: forces above {:.1f} N will be weaker than rendered; "
-            "lower the protocol's force limit",
-            wanted, *weakest));
-    }
-}
-
 void say_force(Check& check, bool gives_force, const std::optional<double>& weakest) {
     check.detail += gives_force ? "" : "; it gives no force";
     if (weakest) {
@@ -199,7 +180,7 @@ void say_margins(Check& check,
 
 Check check_device(const std::string& word,
                    const OpenDevice& open,
-                   const DeviceDemand& demand,
+                   const engine::Vec3& start,
                    const LookAgain& then) {
     Check check{.name = "device", .detail = word};
     std::shared_ptr<engine::Device> device;
@@ -214,9 +195,13 @@ Check check_device(const std::string& word,
     const engine::DeviceTraits traits = device->traits();
     device->write(engine::Vec3{});
     say_readings(check, word + " (" + device->name() + ')', readings, traits.axes > 2);
-    const auto weakest = device->weakest_force(demand.start);
-    say_force(check, traits.gives_force, weakest);
-    judge(check, *device, readings, demand.force_n, weakest);
+    say_force(check, traits.gives_force, device->weakest_force(start));
+    if (readings.good < kReadings) {
+        const std::string trouble = device->trouble();
+        check.fails(!trouble.empty()
+                        ? trouble
+                        : "check its cable and power, and that the handle is in the workspace");
+    }
     if (traits.round_trip > 0.0) {
         tell_answers(check, readings, traits);
     }

@@ -32,7 +32,7 @@ void declare_samples(CommandWords& words, ReportWords& options) {
             "Samples for intervals and bands of psychometric functions, as of palpate fit; 0: none")
         .within(0, 1000000)
         .excludes("--trial");
-    add_versions(words, options.versions);
+    add_versions(words, options.versions).excludes("--trial");
 }
 
 void declare(CommandWords& words, ReportWords& options) {

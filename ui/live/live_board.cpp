@@ -100,6 +100,7 @@ void LiveBoard::enter(SessionStep phase, const protocols::TrialView* trial) noex
     trial_ = number;
     interval_ = interval;
     phase_ns_ = monotonic_ns();
+    masked_ = noise_at(phase, masked_);
     if (phase == SessionStep::explore && interval == 1) {
         late_trial_ = {};
     }
@@ -113,6 +114,7 @@ void LiveBoard::enter(const protocols::TroubleView& trouble) noexcept {
             trouble_ = trouble;
             phase_ns_ = phase_ == SessionStep::trouble ? phase_ns_ : monotonic_ns();
             phase_ = SessionStep::trouble;
+            masked_ = false;
             show();
         }
     });
@@ -121,6 +123,7 @@ void LiveBoard::enter(const protocols::TroubleView& trouble) noexcept {
 void LiveBoard::end(std::string_view how) noexcept {
     unless_no_memory([&] { ended_ = how; });
     phase_ = SessionStep::ended;
+    masked_ = false;
     phase_ns_ = monotonic_ns();
     show();
 }
@@ -306,9 +309,8 @@ void LiveBoard::add_device(data::Json& state) const {
                             : std::nullopt;
     state["device"] = all_->device;
     state["device"]["dead_man"] = json_or_null(dead_man);
-    const bool noise = phase_ == SessionStep::ready || phase_ == SessionStep::explore;
     state["masking"] = facts_.masking_db
-                         ? data::Json{{"on", noise}, {"level_db", *facts_.masking_db}}
+                         ? data::Json{{"on", masked_}, {"level_db", *facts_.masking_db}}
                          : data::Json(nullptr);
     state["late"] = {{"edges_us", kEdges},
                      {"trial", late_trial_},

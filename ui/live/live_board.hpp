@@ -123,6 +123,7 @@ private:
     std::array<bool, 3> wishes_{};  ///< a pause, a stop, doubt of the force: as they are shown
     protocols::TrialNumber trial_{};
     std::size_t interval_ = 1;
+    bool masked_ = false;  ///< noise is to be heard, where there is any
     std::optional<Markable> markable_{};
     std::optional<protocols::TrialId> running_{};
     protocols::TroubleView trouble_{};

@@ -31,6 +31,10 @@ std::string text_in(const data::Json& asked, const char* key) {
     return text.is_string() ? text.get<std::string>() : std::string();
 }
 
+void answer_mark(const Caller& caller, const protocols::MarkReply& reply) {
+    caller.answer(reply.found, trimmed(mark_text(reply), "\n"));
+}
+
 /// Four letters that nobody sends by accident.
 std::string random_word() {
     std::string word = data::random_secret().substr(0, 4);
@@ -286,17 +290,21 @@ void LiveSession::mark(const Asked& asked) {
     reply_.reset();
     desk_.mark(asked.text);
     if (reply_ || !markable) {
-        const protocols::MarkReply reply = reply_.value_or(protocols::MarkReply{});
-        asked.caller->answer(reply.found, trimmed(mark_text(reply), "\n"));
-    } else {
+        answer_mark(*asked.caller, reply_.value_or(protocols::MarkReply{}));
+    } else if (trial_) {
         asked.caller->answer(true, fmt::format("{} is marked once it is over, if its answer counts",
                                                number_text(markable->number)));
+    } else {
+        marking_.push_back(asked.caller);  // it is over: the session marks it as soon as it looks
     }
 }
 
 void LiveSession::marked(const protocols::MarkReply& reply, bool alarm) {
     reply_ = reply;
     board_->marked(reply, alarm);
+    for (const auto& caller : std::exchange(marking_, {})) {
+        answer_mark(*caller, reply);
+    }
 }
 
 }  // namespace palpate::ui

@@ -103,6 +103,7 @@ private:
     std::function<void()> beside_;
     bool reveal_wanted_ = false;
     std::optional<protocols::MarkReply> reply_{};
+    std::vector<std::shared_ptr<Caller>> marking_{};  ///< of marks that the session has yet to do
 };
 
 /// Whoever answers, with each step shown to those who look on. Where nobody sits at a screen, a

@@ -11,11 +11,8 @@
 namespace palpate::ui {
 namespace {
 
-std::string without_stop(std::string sentence) {
-    while (sentence.ends_with('.') || sentence.ends_with('\n')) {
-        sentence.pop_back();
-    }
-    return sentence;
+std::string without_stop(const std::string& sentence) {
+    return std::string(trimmed(sentence, ".\n"));
 }
 
 using protocols::Progress;
@@ -226,23 +223,6 @@ std::string mark_text(const protocols::MarkReply& reply) {
                            reply.runs_again ? "runs again later in its block" : "is not run again")
              : std::string(
                    "nothing to mark: no answer of this run, or the last one does not count\n");
-}
-
-std::string display_lost_text(const protocols::SessionEnd& end) {
-    return fmt::format(
-        "the display is gone. The force is off and what was recorded is kept; where a display "
-        "works again, the same command goes on at {}",
-        number_text(end.number));
-}
-
-std::string given_up_text(const protocols::SessionEnd& end) {
-    const std::string after = end.tries > 0
-                                ? counted(end.tries, "try", "tries") + " to reach the device again"
-                                : counted(end.in_a_row, "fault") + " in a row";
-    return fmt::format(
-        "gave up after {}: {}. The force is off and what was recorded is kept; the same command "
-        "goes on at {}",
-        after, without_stop(end.fault), number_text(end.number));
 }
 
 }  // namespace palpate::ui

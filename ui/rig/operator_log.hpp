@@ -38,12 +38,6 @@ namespace palpate::ui {
 /// What a mark at the desk came to.
 [[nodiscard]] std::string mark_text(const protocols::MarkReply& reply);
 
-/// A session that ended because its display did, and how it goes on.
-[[nodiscard]] std::string display_lost_text(const protocols::SessionEnd& end);
-
-/// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
-[[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
-
 /// The lines of a run, one an attempt. Each begins with the attempt's trial_id, by which mark,
 /// trace and report name it. What came before this run counts for the number of the attempt alone:
 /// the pace, and the trials that the alarm looks at, are of this run.

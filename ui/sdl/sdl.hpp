@@ -73,6 +73,7 @@ PALPATE_LATE(Sdl, SDL_SetRenderDrawColor);
 PALPATE_LATE(Sdl, SDL_SetRenderTarget);
 PALPATE_LATE(Sdl, SDL_SetTextureScaleMode);
 PALPATE_LATE(Sdl, SDL_SetWindowInputFocus);
+PALPATE_LATE(Sdl, SDL_GetScancodeFromKey);
 PALPATE_LATE(Sdl, SDL_SetWindowPosition);
 PALPATE_LATE(Sdl, SDL_SetWindowSize);
 PALPATE_LATE(Sdl, SDL_SetWindowTitle);

@@ -13,6 +13,7 @@
 #include <png.h>
 #include <sys/utsname.h>
 
+#include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/verify/verify.hpp"
@@ -41,10 +42,7 @@ std::string line_of(const char* file, std::string_view key, char separator) {
     for (std::string line; std::getline(in, line);) {
         const std::size_t at = line.find(separator);
         if (line.starts_with(key) && at != std::string::npos) {
-            std::string value = line.substr(at + 1);
-            value.erase(0, value.find_first_not_of(" \t\""));
-            value.erase(value.find_last_not_of(" \t\"") + 1);
-            return value;
+            return std::string(trimmed(std::string_view(line).substr(at + 1), " \t\""));
         }
     }
     return "unknown";

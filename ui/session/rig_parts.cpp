@@ -64,7 +64,6 @@ SubjectScreenOptions screen_options(const RunningRig& rig) {
     options.window.instructions =
         spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
     options.asks = spec.study.protocol.response.kind;
-    options.start = spec.study.protocol.apparatus.start;
     options.gate = protocols::StartGate(spec.study.protocol);
     options.place = [rig] {
         return rig.apparatus.place();

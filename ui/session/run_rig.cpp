@@ -361,4 +361,25 @@ RigEnd run_rig(data::Database& database,
     return {std::move(end), data::kept_head(database, opened.id, breaks), breaks > 0};
 }
 
+bool finished(const protocols::SessionEnd& end) {
+    using Why = protocols::SessionEnd::Why;
+    const auto goes_on = [&](const std::string& why) {
+        return fmt::format(
+            "{}. The force is off and what was recorded is kept; {} goes on at {}", why,
+            end.why == Why::faulted ? "the same command"
+                                    : "where a display works again, the same command",
+            number_text(end.number));
+    };
+    refuse_if<std::runtime_error>(
+        end.why == Why::faulted, "{}",
+        goes_on(fmt::format("gave up after {}: {}",
+                            end.tries > 0
+                                ? counted(end.tries, "try", "tries") + " to reach the device again"
+                                : counted(end.in_a_row, "fault") + " in a row",
+                            trimmed(end.fault, ".\n"))));
+    refuse_if<std::runtime_error>(end.why == Why::aborted && display_lost(), "{}",
+                                  goes_on("the display is gone"));
+    return end.why == Why::finished;
+}
+
 }  // namespace palpate::ui

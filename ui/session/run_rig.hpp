@@ -31,4 +31,9 @@ struct RigEnd {
                              const RigSpec& spec,
                              std::optional<OpenedApparatus> opened_before = {});
 
+/// Whether it finished; else somebody ended it.
+/// @throws std::runtime_error where it was given up, or its display is gone: why, and how it goes
+/// on
+[[nodiscard]] bool finished(const protocols::SessionEnd& end);
+
 }  // namespace palpate::ui

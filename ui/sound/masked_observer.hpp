@@ -41,13 +41,10 @@ public:
     }
 
 protected:
-    /// Between two intervals of a trial the noise goes on, and after an answer there is none.
     void enter(protocols::SessionStep step, const protocols::TrialView* trial) override {
-        using Step = protocols::SessionStep;
-        if (step == Step::ready) {
+        if (step == protocols::SessionStep::ready) {
             come_in(*trial);
-        } else if (step != Step::welcome && step != Step::explore && step != Step::feedback &&
-                   step != Step::gap) {
+        } else if (!protocols::noise_at(step, true)) {
             end();
         }
     }

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include <SDL2/SDL_syswm.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/shared_library.hpp"
 #include "ui/sdl/sdl.hpp"
 
 namespace palpate::ui {
@@ -112,34 +112,26 @@ int on_protocol_error(::Display* /*display*/, XErrorEvent* error) {
     return 0;
 }
 
-template <class Call>
-Call find(void* library, const char* name) {
-    return reinterpret_cast<Call>(dlsym(library, name));  // NOLINT: dlsym knows no types
-}
-
 /// SDL loads Xlib while it runs, so that nobody links it; neither does this.
 void watch_x11(::Display* display) {
-    void* xlib = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
-    if (xlib == nullptr) {
+    const SharedLibrary xlib("libX11.so.6");
+    decltype(&XSetIOErrorExitHandler) on_exit = xlib.find("XSetIOErrorExitHandler");
+    decltype(&XSetIOErrorHandler) on_io_error = xlib.find("XSetIOErrorHandler");
+    decltype(&XSetErrorHandler) on_error = xlib.find("XSetErrorHandler");
+    decltype(&XInternAtom) atom = xlib.find("XInternAtom");
+    if (on_exit == nullptr || on_io_error == nullptr || on_error == nullptr || atom == nullptr) {
         return;
     }
-    const auto on_exit = find<decltype(&XSetIOErrorExitHandler)>(xlib, "XSetIOErrorExitHandler");
-    const auto on_io_error = find<decltype(&XSetIOErrorHandler)>(xlib, "XSetIOErrorHandler");
-    const auto on_error = find<decltype(&XSetErrorHandler)>(xlib, "XSetErrorHandler");
-    if (on_exit != nullptr && on_io_error != nullptr && on_error != nullptr) {
-        on_exit(display, go_on_without, nullptr);
-        on_io_error(on_broken_connection);
-        on_error(on_protocol_error);
-        SDL_SetEventFilter(on_event, nullptr);
-        SDL_EventState(SDL_SYSWMEVENT, SDL_ENABLE);
-        input_focus = find<decltype(&XGetInputFocus)>(xlib, "XGetInputFocus");
-        const auto atom = find<decltype(&XInternAtom)>(xlib, "XInternAtom");
-        change_property = find<decltype(&XChangeProperty)>(xlib, "XChangeProperty");
-        asked = atom != nullptr && change_property != nullptr ? display : nullptr;
-        sign = asked != nullptr ? atom(display, "_PALPATE_SIGN_OF_LIFE", False) : None;
-        owes = false;
-    }
-    dlclose(xlib);
+    on_exit(display, go_on_without, nullptr);
+    on_io_error(on_broken_connection);
+    on_error(on_protocol_error);
+    SDL_SetEventFilter(on_event, nullptr);
+    SDL_EventState(SDL_SYSWMEVENT, SDL_ENABLE);
+    input_focus = xlib.find("XGetInputFocus");
+    change_property = xlib.find("XChangeProperty");
+    asked = change_property != nullptr ? display : nullptr;
+    sign = atom(display, "_PALPATE_SIGN_OF_LIFE", False);
+    owes = false;
 }
 #endif
 

@@ -31,6 +31,27 @@ void band(Window& window,
                height * type_size(size), colour);
 }
 
+/// A heading, and below it what the protocol or the screen says, down to `bottom`. Where that is
+/// long it takes what is free above from `free` on, and the heading goes up.
+void headed(Window& window,
+            std::string_view heading,
+            std::string_view text,
+            double free,
+            double top,
+            double bottom) {
+    constexpr double kHeading = 0.11;
+    constexpr double kLowHeading = 0.06;
+    constexpr double kType = 1.15;
+    const Vec2 size = window.size();
+    const double type = kType * type_size(size);
+    const double rows = static_cast<double>(wrapped(window, text, type, 0.92 * size.x).size());
+    const double from = std::clamp(bottom - rows * kLeading * type / size.y,
+                                   free + kLowHeading + 0.01, top + kHeading + 0.01);
+    const double end = from - 0.01;
+    band(window, heading, std::max(free, end - kHeading), end, 2.4, kText);
+    band(window, text, from, bottom, kType, kText);
+}
+
 /// What to press, at the same place on every face, above the bar.
 void press(Window& window, std::string_view text, Colour colour) {
     band(window, text, 0.78, 0.88, 1.3, colour);
@@ -63,6 +84,11 @@ void trial_number(Window& window, const protocols::TrialView& trial) {
         band(window, trial.interval == 1 ? words.first_of_two : words.second_of_two, 0.17, 0.28,
              1.6, kAccent);
     }
+}
+
+/// Where nothing stands below both, as a share of the height.
+double free_from(std::size_t intervals) {
+    return intervals == 2 ? 0.28 : 0.14;
 }
 
 /// The protocol's sentence, or the screen's own.
@@ -151,10 +177,8 @@ void draw(Window& window, const WelcomeFace& face) {
 void draw(Window& window, const ReadyFace& face) {
     const Words& words = window.words();
     trial_number(window, face.trial);
-    const double down = face.start ? 0.54 : 0.76;
-    band(window, words.ready, face.start ? 0.29 : 0.32, face.start ? 0.40 : 0.46, 2.4, kText);
-    band(window, either(window.instructions().ready, words.hold_handle), face.start ? 0.41 : 0.48,
-         down, 1.15, kText);
+    headed(window, words.ready, either(window.instructions().ready, words.hold_handle),
+           free_from(face.trial.intervals), face.start ? 0.29 : 0.335, face.start ? 0.54 : 0.76);
     if (face.start) {
         draw_start(window, *face.start);
     }
@@ -168,9 +192,8 @@ void draw(Window& window, const ReadyFace& face) {
 void draw(Window& window, const ExploreFace& face) {
     const Words& words = window.words();
     trial_number(window, face.trial);
-    band(window, words.feel, 0.30, 0.43, 2.4, kText);
-    band(window, either(window.instructions().explore, words.along_surface), 0.44, 0.62, 1.15,
-         kText);
+    headed(window, words.feel, either(window.instructions().explore, words.along_surface),
+           free_from(face.trial.intervals), 0.31, 0.62);
     if (face.dead_man) {
         band(window, words.keep_down, 0.62, 0.69, 1.15, kText);
     }

@@ -2,20 +2,21 @@
 
 #include <algorithm>
 
+#include "engine/base/text.hpp"
+
 namespace palpate::ui {
 namespace {
 
-/// Bytes of the UTF-8 character that begins with `first`.
-std::size_t bytes_of(char first) {
-    const auto byte = static_cast<unsigned char>(first);
-    return byte < 0x80 ? 1 : byte < 0xe0 ? 2 : byte < 0xf0 ? 3 : 4;
+/// Of the first character, at least 1.
+std::size_t bytes_of(std::string_view text) {
+    return std::max<std::size_t>(utf8_length(text), 1);
 }
 
 /// The longest beginning of `word` that is no wider than `width`, at least one character.
 std::size_t fitting(Window& window, std::string_view word, double height, double width) {
-    std::size_t end = std::min(bytes_of(word.front()), word.size());
+    std::size_t end = bytes_of(word);
     while (end < word.size()) {
-        const std::size_t next = std::min(end + bytes_of(word[end]), word.size());
+        const std::size_t next = end + bytes_of(word.substr(end));
         if (window.text_width(word.substr(0, next), height) > width) {
             break;
         }
@@ -47,7 +48,7 @@ void wrap_line(Window& window,
         if (!rows.back().empty()) {
             rows.emplace_back();
         }
-        while (window.text_width(word, height) > width && word.size() > bytes_of(word.front())) {
+        while (window.text_width(word, height) > width && word.size() > bytes_of(word)) {
             const std::size_t cut = fitting(window, word, height, width);
             rows.back() = std::string(word.substr(0, cut));
             rows.emplace_back();

@@ -17,14 +17,12 @@ constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
 
 /// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the
-/// layout has no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their
-/// place itself.)
+/// layout has it nowhere, as Greek and Hebrew ones, whose Q writes a sign. (Digits that need Shift,
+/// as on French layouts, SDL takes by their place itself.)
 SDL_Keycode meant_by(const SDL_Keysym& key) {
-    const bool other_script = key.sym > 0x7f && (key.sym & SDLK_SCANCODE_MASK) == 0;
-    if (other_script && key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z) {
-        return SDLK_a + (key.scancode - SDL_SCANCODE_A);
-    }
-    return key.sym;
+    const SDL_Keycode letter = SDLK_a + (key.scancode - SDL_SCANCODE_A);
+    const bool is_letter = key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z;
+    return is_letter && SDL_GetScancodeFromKey(letter) == SDL_SCANCODE_UNKNOWN ? letter : key.sym;
 }
 
 std::string marked_text(const Words& words, const protocols::MarkReply& reply) {
@@ -46,10 +44,7 @@ int digit_of(std::int32_t symbol) {
 }  // namespace
 
 Stage::Stage(StageOptions options)
-    : options_(std::move(options)),
-      window_(options_.window),
-      looked_ns_(monotonic_ns()),
-      desk_(options_.desk) {
+    : options_(std::move(options)), window_(options_.window), looked_ns_(monotonic_ns()) {
     SDL_PumpEvents();
     SDL_FlushEvent(
         SDL_WINDOWEVENT);  // of the window that SDL made first, and hid, for its renderer
@@ -85,10 +80,10 @@ std::string Stage::sentence_of(Bar bar) const {
 
 /// What became of a mark, once the session says so.
 void Stage::show_reply() {
-    if (desk_ == nullptr || bar_ == Bar::stop || bar_ == Bar::mark) {
+    if (options_.desk == nullptr || bar_ == Bar::stop || bar_ == Bar::mark) {
         return;
     }
-    if (const auto reply = desk_->take_reply()) {
+    if (const auto reply = options_.desk->take_reply()) {
         reply_ = *reply;
         show_bar(Bar::marked);
     }
@@ -111,9 +106,9 @@ void Stage::redraw() {
     window_.present();
 }
 
-void Stage::stop() const {
+void Stage::stop(engine::Trip cause, const char* way) const {
     if (options_.on_stop) {
-        options_.on_stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
+        options_.on_stop(cause, way);
     }
 }
 
@@ -128,7 +123,7 @@ bool Stage::forget_earlier() {
         const SDL_Keycode symbol = event.key.keysym.sym;
         released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
         if (event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE && event.key.repeat == 0) {
-            stop();
+            stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
         }
     }
     SDL_FlushEvents(SDL_MOUSEBUTTONDOWN, SDL_MOUSEBUTTONUP);
@@ -187,7 +182,7 @@ Input Stage::answer_question(std::int32_t symbol) {
         return {.kind = Input::Kind::stop};
     }
     if (symbol == SDLK_y && asked == Bar::mark) {
-        desk_->mark();
+        options_.desk->mark();
     }
     return {.kind =
                 symbol == SDLK_y && asked == Bar::stop ? Input::Kind::abort : Input::Kind::none};
@@ -202,11 +197,11 @@ bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
         show_bar(Bar::stop);
     } else if (desk_closed_ && (symbol == SDLK_m || symbol == SDLK_p)) {
         show_bar(Bar::over);
-    } else if (symbol == SDLK_m && desk_ != nullptr) {
+    } else if (symbol == SDLK_m && options_.desk != nullptr) {
         show_bar(Bar::mark);
-    } else if (symbol == SDLK_p && desk_ != nullptr) {
-        desk_->pause();
-        show_bar(desk_->wants_pause() ? Bar::pause_comes : Bar::no_pause);
+    } else if (symbol == SDLK_p && options_.desk != nullptr) {
+        options_.desk->pause();
+        show_bar(options_.desk->wants_pause() ? Bar::pause_comes : Bar::no_pause);
     } else {
         return false;
     }
@@ -325,7 +320,7 @@ Input Stage::next(int wait_ms) {
             continue;
         }
         if (input.kind == Input::Kind::stop) {
-            stop();
+            stop(engine::Trip::stopped, protocols::kEscapeAtScreen);
         }
         if (input.kind != Input::Kind::none) {
             input.seen_ns = monotonic_ns();
@@ -352,7 +347,8 @@ bool Stage::pause_or_abort() {
     constexpr int kWaitMs = 50;
     drop_bar();  // it has come
     show(PauseFace{});
-    while (desk_ != nullptr && !desk_->wants_stop() && !desk_->take_pause()) {
+    while (options_.desk != nullptr && !options_.desk->wants_stop() &&
+           !options_.desk->take_pause()) {
         if (next(kWaitMs).kind == Input::Kind::abort) {
             return true;
         }

@@ -87,6 +87,8 @@ public:
     void need_keyboard(bool needed);
     /// How much it kept back since guard_until().
     [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }
+    /// No force: says so to whoever made the window.
+    void stop(engine::Trip cause, const char* way) const;
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
     /// Shows that the session pauses until the desk asks again, or somebody wants no force, which
@@ -98,7 +100,6 @@ public:
 
 private:
     void redraw();
-    void stop() const;
     void mind_keyboard();
     [[nodiscard]] Input read_window(const SDL_Event& event);
     /// Of the canvas, from where the display says that the pointer is.
@@ -129,7 +130,6 @@ private:
     std::int64_t looked_ns_ = 0;   ///< when the queue was last seen empty
     std::int64_t guarded_ns_ = 0;  ///< until then nothing answers
     std::size_t early_ = 0;
-    protocols::OperatorDesk* desk_;
     protocols::MarkReply reply_{};  ///< of Bar::marked
     bool desk_closed_ = false;
     bool in_trial_ = false;

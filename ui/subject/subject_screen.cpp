@@ -107,12 +107,6 @@ void SubjectScreen::hold(bool held) {
     }
 }
 
-void SubjectScreen::stop(engine::Trip cause, const char* way) {
-    if (options_.on_stop) {
-        options_.on_stop(cause, way);
-    }
-}
-
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
     stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
                             .practice = session.practice,
@@ -148,10 +142,10 @@ void SubjectScreen::begin_exploring() {
         hold(false);
     }
     if (keyboard_is_elsewhere()) {
-        stop(engine::Trip::focus_lost, protocols::kKeyboardElsewhere);
+        stage_.stop(engine::Trip::focus_lost, protocols::kKeyboardElsewhere);
     }
     if (options_.on_pointer) {
-        stage_.window().put_pointer(pointer_map().to_pixel(options_.start));
+        stage_.window().put_pointer(pointer_map().to_pixel(engine::Vec2(options_.gate.start())));
     }
 }
 
@@ -162,7 +156,7 @@ void SubjectScreen::pass_on(const Input& input) {
     } else if (input.kind == Input::Kind::release) {
         hold(false);
     } else if (input.kind == Input::Kind::lost) {
-        stop(engine::Trip::focus_lost, input.way);
+        stage_.stop(engine::Trip::focus_lost, input.way);
         hold(false);  // nobody can tell any more
     }
 }

@@ -22,8 +22,7 @@ struct SubjectScreenOptions : StageOptions {
     std::function<void(const engine::Vec2&)> on_pointer{};
     /// Where the handle is between trials. Empty, or nowhere: it has no way to a start.
     std::function<std::optional<engine::Vec3>()> place{};
-    protocols::StartGate gate{};     ///< where a trial may begin
-    engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
+    protocols::StartGate gate{};  ///< where a trial may begin; a pointer is put to its start
     /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
     bool dead_man = false;
     double guard_s = 0.25;  ///< what is pressed earlier after a screen appeared is no answer to it
@@ -80,7 +79,6 @@ private:
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);
-    void stop(engine::Trip cause, const char* way);
 
     SubjectScreenOptions options_;
     Stage stage_;

@@ -100,12 +100,8 @@ public:
     /// reach
     void explore(const Exploration& plan);
 
-    /// From now on its motors give `gain` times what they are asked for.
-    void strengthen(double gain) noexcept { gain_ = Vec2(gain); }
-    /// The same of one motor. @param motor  0 or 1
-    void strengthen(std::size_t motor, double gain) noexcept {
-        gain_[static_cast<int>(motor)] = gain;
-    }
+    /// What its motors give from now on, times what they are asked for; of each.
+    [[nodiscard]] Vec2& gain() noexcept { return gain_; }
 
     void set_torque(const Vec3& newton_metres) noexcept override;
     void advance(double seconds) noexcept override;
@@ -145,12 +141,8 @@ public:
     /// Takes 0.1 s for 40 mm. @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
     [[nodiscard]] bool on_its_way() const noexcept { return aim_.has_value(); }
-    /// From now on its motors give `gain` times what is asked of them.
-    void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
-    /// The same of one motor. @param motor  below 3
-    void strengthen(std::size_t motor, double gain) noexcept {
-        gain_[static_cast<int>(motor)] = gain;
-    }
+    /// What its motors give from now on, times what they are asked for; of each.
+    [[nodiscard]] Vec3& gain() noexcept { return gain_; }
     /// The cables of two motors change places. @param one, other  below 3
     void swap_motors(std::size_t one, std::size_t other) noexcept {
         std::swap(moves_[one], moves_[other]);

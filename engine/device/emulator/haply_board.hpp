@@ -68,6 +68,8 @@ public:
     void hush(bool silent) override { faults_ = {.silent = silent}; }
     /// All its faults at once, from the next exchange on.
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
+    /// Each answer goes out so many s after it was asked for.
+    void delay_answers(double seconds) noexcept { faults_.delay = seconds; }
     /// The last encoder's disc has slipped on its shaft by so much.
     void turn_answers(double degrees) noexcept { faults_.turned_deg = degrees; }
     /// Each answer says where the handle was so many answers before: a firmware that lags, in time.
