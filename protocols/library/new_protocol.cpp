@@ -1,5 +1,3 @@
-#include "protocols/library/shipped.hpp"
-
 #include <algorithm>
 #include <stdexcept>
 #include <vector>
@@ -8,6 +6,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "protocols/library/shipped.hpp"
 
 namespace palpate::protocols {
 namespace {
