@@ -291,7 +291,7 @@ void LiveSession::mark(const Asked& asked) {
     desk_.mark(asked.text);
     if (reply_ || !markable) {
         answer_mark(*asked.caller, reply_.value_or(protocols::MarkReply{}));
-    } else if (trial_) {
+    } else if (board_->running()) {
         asked.caller->answer(true, fmt::format("{} is marked once it is over, if its answer counts",
                                                number_text(markable->number)));
     } else {
