@@ -26,7 +26,7 @@ protocols::Protocol two_trials() {
     return protocol;
 }
 
-struct Kept : NoRecorder {
+struct Kept : protocols::Recorder {
     struct Trial {
         protocols::Condition condition;
         std::vector<engine::TickRecord> ticks;
