@@ -1,6 +1,7 @@
 #include <net/if.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -19,17 +20,19 @@ namespace {
     return by != nullptr ? nice(std::atoi(by)) : 0;
 }();
 
-/// Sessions are called by names of the network's: with a network of its own, loopback alone, a
-/// test's `palpate stop` ends its own sessions and pulses, and no other test's. Whoever is not root
-/// may have one among users of its own, who are those of before.
+/// Sessions are called by names of the network's, and the next board may get the terminal of one
+/// that was unplugged: with a network (loopback alone) and terminals of its own, a test's `palpate
+/// stop` ends its own sessions, and its boards stay away. Whoever is not root may have both among
+/// users of its own, who are those of before.
 [[maybe_unused]] const bool apart = [] {
+    constexpr int kApart = CLONE_NEWNET | CLONE_NEWNS;
     if (std::getenv("PALPATE_TEST_APART") == nullptr) {
         return false;
     }
     const auto user = geteuid();
     const auto group = getegid();
-    if (unshare(CLONE_NEWNET) != 0) {
-        if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
+    if (unshare(kApart) != 0) {
+        if (unshare(CLONE_NEWUSER | kApart) != 0) {
             return false;
         }
         std::ofstream("/proc/self/setgroups") << "deny";
@@ -41,7 +44,9 @@ namespace {
     loopback.ifr_flags = IFF_UP;
     const bool up = ioctl(any, SIOCSIFFLAGS, &loopback) == 0;
     close(any);
-    return up;
+    return up && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+           mount("devpts", "/dev/pts", "devpts", 0, "newinstance,ptmxmode=0666") == 0 &&
+           mount("/dev/pts/ptmx", "/dev/ptmx", nullptr, MS_BIND, nullptr) == 0;
 }();
 
 }  // namespace
