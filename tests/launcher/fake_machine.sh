@@ -27,7 +27,7 @@ new_machine() {
     : >"$machine/calls"
     printf '%s\n' $everything >"$machine/known"
     cp "$machine/known" "$machine/installed"
-    for tool in sh cat sed tr dirname readlink tail mkdir flock grep touch cp chmod rm sleep; do
+    for tool in nproc sh cat sed tr dirname readlink tail mkdir flock grep touch cp chmod rm sleep; do
         ln -s "$(command -v $tool)" "$machine/bin/$tool"
     done
 
