@@ -35,15 +35,6 @@ void answer_mark(const Caller& caller, const protocols::MarkReply& reply) {
     caller.answer(reply.found, trimmed(mark_text(reply), "\n"));
 }
 
-/// Four letters that nobody sends by accident.
-std::string random_word() {
-    std::string word = data::random_secret().substr(0, 4);
-    for (char& digit : word) {
-        digit = "bcdfghjklmnpqrst"[digit <= '9' ? digit - '0' : digit - 'a' + 10];
-    }
-    return word;
-}
-
 }  // namespace
 
 void LiveSession::begin(LiveFacts facts,
@@ -73,17 +64,16 @@ bool LiveSession::confirmed(Word& word,
                             const Caller& caller,
                             std::string_view question) const {
     const bool stands = !word.word.empty() && monotonic_ns() < word.until_ns;
-    const bool same = stands && given == word.word;
-    if (same) {
+    if (stands && given == word.word) {
         word = {};
-    } else {
-        if (!stands || !given.empty()) {  // else two who ask at once have one word
-            word.word = random_word();
-        }
-        word.until_ns = monotonic_ns() + kWordNs;
-        caller.answer(false, question, word.word);
+        return true;
     }
-    return same;
+    if (!stands || !given.empty()) {                     // else two who ask at once have one word
+        word.word = data::random_secret().substr(0, 4);  // nobody sends it by accident
+    }
+    word.until_ns = monotonic_ns() + kWordNs;
+    caller.answer(false, question, word.word);
+    return false;
 }
 
 void LiveSession::end_early(const std::string& word, const Caller& caller) {
