@@ -271,15 +271,17 @@ private:
                           "palpate run with --kind pilot lets one feel it");
                 opened_ = open_and_check(rig_);
             }
-            feel(one);
+            if (!felt_whole(one)) {
+                opened_.reset();  // whatever it was, it is opened and proved anew
+            }
         } catch (const std::exception& e) {
             opened_.reset();
             say_on_page(std::nullopt, e.what());
         }
     }
 
-    /// What a session's exploration does, without whatever would be kept.
-    void feel(const FeltStimulus& one) {
+    /// What a session's exploration does, without whatever would be kept. @return false on a fault
+    [[nodiscard]] bool felt_whole(const FeltStimulus& one) {
         constexpr double kLongest = 30.0;  // s; what nobody ended ends then
         protocols::Apparatus& port = *opened_->port;
         const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.second);
@@ -321,9 +323,7 @@ private:
                                       felt, strongest)
                     : trouble.empty() ? std::string(explanation(port.trip()))
                                       : trouble);
-        if (faulted) {
-            opened_.reset();  // whatever it was, it is opened and proved anew
-        }
+        return !faulted;
     }
 
     std::string protocol_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -54,6 +55,9 @@ void LiveSession::end(std::string_view how) {
     if (open_.exchange(false)) {
         board_->end(how);
         obey_all();
+        for (const auto& caller : std::exchange(marking_, {})) {
+            caller->answer(false, "the session is over: nothing was marked");
+        }
     }
 }
 

@@ -11,10 +11,6 @@
 namespace palpate::ui {
 namespace {
 
-std::string without_stop(const std::string& sentence) {
-    return std::string(trimmed(sentence, ".\n"));
-}
-
 using protocols::Progress;
 
 /// By the reasons as why_invalid() words them.
@@ -193,6 +189,11 @@ std::string run_summary(data::Database& database,
         "ticks late.\n",
         row.integer(0), row.integer(1), row.integer(1) == 1 ? "does" : "do", row.integer(2),
         minutes, row.real(3));
+}
+
+std::string without_stop(std::string sentence) {
+    sentence.erase(sentence.find_last_not_of(".\n") + 1);
+    return sentence;
 }
 
 std::string fault_text(const protocols::Fault& fault) {

@@ -83,6 +83,9 @@ private:
     std::deque<Ended> ended_;  ///< the last attempts
 };
 
+/// Without its end, where another sentence goes on.
+[[nodiscard]] std::string without_stop(std::string sentence);
+
 /// As a shell takes it for one word.
 [[nodiscard]] std::string shell_word(const std::string& word);
 

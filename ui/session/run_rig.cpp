@@ -376,7 +376,7 @@ bool finished(const protocols::SessionEnd& end) {
                             end.tries > 0
                                 ? counted(end.tries, "try", "tries") + " to reach the device again"
                                 : counted(end.in_a_row, "fault") + " in a row",
-                            trimmed(end.fault, ".\n"))));
+                            without_stop(end.fault))));
     refuse_if<std::runtime_error>(end.why == Why::aborted && display_lost(), "{}",
                                   goes_on("the display is gone"));
     return end.why == Why::finished;
