@@ -229,8 +229,12 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         return false;
     }
     text.remove_prefix(static_cast<std::size_t>(tail - text.data()));
-    if (raw == nullptr) {
-        return true;  // a comment
+    if (raw == nullptr) {  // a comment, or a byte at which SQLite reads no further
+        const bool stuck = !text.empty() && text.front() == '\0';
+        if (stuck) {
+            fmt::print(error_, "palpate: a byte of value 0 is no SQL: take it away\n");
+        }
+        return !stuck;
     }
     asked_ = true;
     if (sqlite3_stmt_readonly(raw) == 0) {

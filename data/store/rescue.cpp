@@ -244,7 +244,7 @@ void Database::rescue_deleted() {
             name = fmt::format("{}.rescued-{}", connection_.file, i);
         }
         try {
-            run("VACUUM INTO ?1", name);
+            run("VACUUM INTO ?1", plain_name(name));
         } catch (const StoreError& e) {
             std::filesystem::remove(name);
             throw StoreError(fmt::format(

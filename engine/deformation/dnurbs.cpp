@@ -265,7 +265,7 @@ double Dnurbs::slowest_motion() const {
     // of its eigenvalues the largest is the one that is right to its last digits.
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> modes(of_moving(*this, gram_), k,
                                                                  Eigen::EigenvaluesOnly);
-    return 1.0 / std::sqrt(modes.eigenvalues().maxCoeff() * spec_.mu);
+    return 1.0 / (std::sqrt(modes.eigenvalues().maxCoeff()) * std::sqrt(spec_.mu));
 }
 
 DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)

@@ -181,6 +181,9 @@ TEST_CASE(
         write(folder.file("wrong.toml"), replaced(bow, row.at(1), row.at(2)) + row.at(0));
         refused(words_of("deform", folder.file("wrong.toml") + " " + row.at(3)), row.at(4));
     }
+    write(folder.file("light.toml"), replaced(bow, "mu = 0.1 ", "mu = 1e-310 "));
+    CHECK_THAT(ran({"deform", folder.file("light.toml"), "--times", "0.1"}).error,
+               Has("1/omega = ", "e-157 s"));
 }
 
 TEST_CASE("palpate render presses a soft object to where palpate deform has it at rest") {

@@ -186,6 +186,15 @@ TEST_CASE("a file that is whole is left, and one of something else is refused") 
 
     CHECK_THAT(ran({"verify", file}).out, Has("0 ticks replayed, nothing differs"));
     ran({"summary", file});
+
+    // SQLite would take such a name for a URI, and write another file.
+    const Finished named = Process({"sh", "-c",
+                                    "cd \"$1\" && exec \"$0\" simulate pilot --participants 1 "
+                                    "--no-traces --db file:u.sqlite",
+                                    palpate_program(), folder.path().string()})
+                               .wait();
+    CHECK(named.code == 0);
+    CHECK(slurp(folder.file("file:u.sqlite")).starts_with("SQLite format 3"));
 }
 
 TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed") {

@@ -150,6 +150,16 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words") {
     CHECK(sql(".quit\nSELECT 1").out.empty());
 }
 
+TEST_CASE("a byte of value 0 ends the shell with a sentence") {
+    const Finished done =
+        Process({"sh", "-c", "printf 'SELECT 3 AS last;\\0SELECT 4;' | timeout 9 \"$0\" sql \"$1\"",
+                 palpate_program(), demo_file()})
+            .wait();
+    CHECK(done.code == 1);
+    CHECK(done.out == "last\n----\n   3\n");
+    CHECK(done.error == "palpate: a byte of value 0 is no SQL: take it away\n");
+}
+
 TEST_CASE("sqlite3 with the extension says what palpate sql says") {
     if (!others_load_extension() || !installed("sqlite3", {"sqlite3", "--version"})) {
         return;

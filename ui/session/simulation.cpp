@@ -242,7 +242,7 @@ private:
 /// What the rows say in a file of its own, whose bytes depend on nothing else.
 void write_anew(data::Database& from, const fs::path& to) {
     const NewFile made(to);
-    from.run("VACUUM INTO ?1", std::string_view(made.name().string()));
+    from.run("VACUUM INTO ?1", data::plain_name(made.name().string()));
     put_in_place(made.name(), to);
 }
 
