@@ -93,6 +93,7 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
         const pid_t console = console_of(session.program.id());
         REQUIRE(console > 0);
         kill(console, SIGKILL);
+        CHECK(eventually([&] { return kill(console, 0) != 0; }));  // or it takes one more request
     };
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
     REQUIRE(session.comes_to("pause"));
