@@ -44,9 +44,12 @@ namespace {
     loopback.ifr_flags = IFF_UP;
     const bool up = ioctl(any, SIOCSIFFLAGS, &loopback) == 0;
     close(any);
-    return up && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-           mount("devpts", "/dev/pts", "devpts", 0, "newinstance,ptmxmode=0666") == 0 &&
-           mount("/dev/pts/ptmx", "/dev/ptmx", nullptr, MS_BIND, nullptr) == 0;
+    if (!up || mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+        mount("devpts", "/dev/pts", "devpts", 0, "newinstance,ptmxmode=0666") != 0) {
+        return false;
+    }
+    const bool opened = mount("/dev/pts/ptmx", "/dev/ptmx", nullptr, MS_BIND, nullptr) == 0;
+    return opened || umount2("/dev/pts", MNT_DETACH) != 0;
 }();
 
 }  // namespace
