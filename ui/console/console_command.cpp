@@ -35,7 +35,6 @@ using data::Json;
 constexpr std::int64_t kLinger = 10'000 * kMillisecond;
 constexpr std::int64_t kLookEvery = 500 * kMillisecond;
 constexpr std::int64_t kSayEvery = 1000 * kMillisecond;
-constexpr std::int64_t kBlindEvery = 250 * kMillisecond;  // nothing that moves is on such a page
 
 double seconds_since(std::int64_t then_ns) {
     return std::round(static_cast<double>(monotonic_ns() - then_ns) * 1e-8) / 10.0;
@@ -177,9 +176,10 @@ private:
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
-/// with the newest tick, but for a still one; a blind page hears of it when the force goes on or
-/// off, and four times a second. A page that did not ask for it shows nothing of what
-/// another one revealed. Ends with the session's process.
+/// with the newest tick, but for a still one; a blind page, on which nothing moves, hears of it when
+/// the force goes on or off and beside each state: browsers compute where the servo does. A page
+/// that did not ask for it shows nothing of what another one revealed. Ends with the session's
+/// process.
 class SessionStream {
 public:
     SessionStream(std::shared_ptr<WatchedSession> watched, bool shown, bool still)
@@ -189,10 +189,12 @@ public:
         if (!alive_) {
             return std::nullopt;
         }
-        std::string text = still_ ? "" : live();
         const std::uint64_t version = watched_->reader->version();
         const bool alive = watched_->alive();
-        if (version != version_ || alive != alive_ || monotonic_ns() - said_ns_ > kSayEvery) {
+        const bool due =
+            version != version_ || alive != alive_ || monotonic_ns() - said_ns_ > kSayEvery;
+        std::string text = still_ ? "" : live(due);
+        if (due) {
             if (const std::string state = watched_->state(shown_); !state.empty()) {
                 version_ = version;
                 alive_ = alive;
@@ -204,18 +206,17 @@ public:
     }
 
 private:
-    [[nodiscard]] std::string live() {
+    /// @param due  a state comes with it
+    [[nodiscard]] std::string live(bool due) {
         const auto [ticks, count] = watched_->reader->ticks_after(ticks_);
         ticks_ = count;
         if (ticks.empty()) {
             return {};
         }
         const LiveTick& newest = ticks.back();
-        const std::int64_t now_ns = monotonic_ns();
-        if (!shown_ && newest.force_on == force_on_ && now_ns - lived_ns_ < kBlindEvery) {
+        if (!shown_ && newest.force_on == force_on_ && !due) {
             return {};
         }
-        lived_ns_ = now_ns;
         force_on_ = newest.force_on;
         Json event{{"t", seconds_of(newest.tick, 1e3)},
                    {"force_on", newest.force_on},
@@ -232,7 +233,6 @@ private:
     std::uint64_t version_ = 1;  ///< odd: of no state
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;
-    std::int64_t lived_ns_ = 0;
     bool force_on_ = false;
     bool alive_ = true;
 };

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kShownRate = 125;  ///< ticks a second
 /// A running exploration is shown so often.
-constexpr std::int64_t kShowEvery = 500 * kMillisecond;
+constexpr std::int64_t kShowEvery = 1000 * kMillisecond;
 constexpr std::size_t kNewest = 100;  ///< lines of a list, and notes; answers are all shown
 
 void keep_newest(data::Json& list) {
