@@ -24,8 +24,8 @@ pid_t in_a_child(const std::function<void()>& work) {
     const pid_t pid = fork();
     if (pid == 0) {
         die_with(test);
-        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
-            std::signal(number, SIG_DFL);  // not the test framework's
+        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT, SIGHUP}) {
+            std::signal(number, SIG_DFL);  // not the framework's, nor nohup's
         }
         try {
             work();
