@@ -5,7 +5,7 @@
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/scene_text.hpp"
 
 using Catch::Matchers::Matches;
 
@@ -170,11 +170,9 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
-    write(scene,
-          plane
-              ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
-              : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, "
-                "1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, 0.1, 0]]]\n");
+    write(scene, plane ? line_text({0.0, 0.0}, {0.1, 0.0})
+                       : plate_text({{0.0, 0.0, 0.0}, {0.0, 0.1, 0.0}},
+                                    {{0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}}));
     const std::string z = plane ? "" : ",0";
     for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
         CAPTURE(far);
@@ -198,7 +196,7 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         const auto row = csv_records(closest.out).at(0);
         CHECK(std::stod(row.at("distance_m")) == Approx(distance).margin(1e-12));
     }
-    write(scene, "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 1e155]\n");
+    write(scene, line_text({0.0, 0.0}, {0.1, 1e155}));
     CHECK_THAT(palpate_command({"closest", scene, folder.file("q.csv")}).error,
                Has("s.toml:4:8: to_m holds 1e+155"));
 }
@@ -216,10 +214,8 @@ TEST_CASE("the numbers of a scene have an end, and up to there its forces are fi
     const auto rendered = [&](const std::string& value, int code) {
         for (const auto& [key, table] : largest) {
             CAPTURE(key, value);
-            std::string text =
-                "[renderer]\n[friction]\nlaw = \"lugre\"\nmu_s = 0.7\nmu_d = "
-                "0.5\n[[segment]]\nkind "
-                "= \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n";
+            std::string text = "[renderer]\n[friction]\nlaw = \"lugre\"\nmu_s = 0.7\nmu_d = 0.5\n" +
+                               line_text({0.0, 0.0}, {0.1, 0.0});
             text.insert(text.find(table) + table.size(), fmt::format("\n{} = {}", key, value));
             write(scene, text);
             const Finished felt = ran({"render", scene, folder.file("p.csv")}, code);

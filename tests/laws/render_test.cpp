@@ -1,5 +1,6 @@
 #include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
 #include "tests/support/surfaces.hpp"
 #include "tests/support/thesis_objects.hpp"
 
@@ -13,33 +14,17 @@ constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4
 /// jumps.
 std::string bows(Random& random) {
     const auto p = [&](double x, double y) {
-        return fmt::format("[{}, {}]", x + random.in(-2e-3, 2e-3), y + random.in(-2e-3, 2e-3));
+        const double right = x + random.in(-2e-3, 2e-3);
+        return engine::Vec2{right, y + random.in(-2e-3, 2e-3)};
     };
-    const std::string middle = p(0.0, 0.0);
-    const auto nurbs = [](const std::string& points) {
-        return "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
-               "points_m = [" +
-               points + "]\n";
-    };
-    return nurbs(fmt::format("{}, {}, {}, {}", p(-0.06, 0.0), p(-0.05, 0.03), p(-0.02, 0.04),
-                             middle)) +
-           nurbs(fmt::format("{}, {}, {}, {}", middle, p(0.02, 0.03), p(0.05, 0.03), p(0.07, 0.0)));
+    const engine::Vec2 middle = p(0.0, 0.0);
+    const auto left = bezier_data({p(-0.06, 0.0), p(-0.05, 0.03), p(-0.02, 0.04), middle});
+    return segment_text(left) +
+           segment_text(bezier_data({middle, p(0.02, 0.03), p(0.05, 0.03), p(0.07, 0.0)}));
 }
 
 std::string sheet(Random& random) {
-    const SurfaceData d = bicubic_8x8(random, 0.0);
-    Words rows;
-    for (const auto& row : d.points) {
-        Words points;
-        for (const engine::Vec3& p : row) {
-            points.push_back(fmt::format("[{}, {}, {}]", p.x, p.y, p.z));
-        }
-        rows.push_back(fmt::format("[{}]", fmt::join(points, ", ")));
-    }
-    return fmt::format(
-        "[[surface]]\ndegree_u = 3\ndegree_v = 3\nknots_u = [{0}]\nknots_v = [{0}]\npoints_m = "
-        "[{1}]\n",
-        fmt::join(d.knots_u, ", "), fmt::join(rows, ", "));
+    return surface_text(bicubic_8x8(random, 0.0));
 }
 
 }  // namespace
@@ -163,12 +148,7 @@ TEST_CASE(
         fmt::format("[renderer]\nstiffness_n_per_m = 800\ntracker = {}\n[friction]\n{}\n",
                     tracker.keys, friction);
     for (const auto& polygon : two_polygons()) {
-        text += "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n";
-        std::string points;
-        for (const engine::Vec2& p : polygon) {
-            points += fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", p.x, p.y);
-        }
-        text += "points_m = [" + points + "]\n";
+        text += segment_text(bezier_data({polygon.begin(), polygon.end()}));
     }
     CAPTURE(text);
     const double tick = std::ldexp(1.0, -10);  // s, exact
@@ -276,18 +256,14 @@ TEST_CASE("a step of a micrometre weighs a micrometre, whatever the vertex slew"
                              -0.008 + 1e-4 * std::max(k - 40, 0), 0.002 - 1e-4 * std::min(k, 40));
     }
     for (const char* slew : {"0.2", "0.01"}) {
-        std::string text = fmt::format(
+        const std::string text = fmt::format(
             "[renderer]\nstiffness_n_per_m = 1000\n[friction]\nlaw = \"frictionless\"\n"
             "vertex_slew_m_per_s = {}\nvertex_radius_m = 0.003\n",
             slew);
-        const std::array<const char*, 7> corners{"-0.04, 0",    "0, 0",        "0, -1e-6",
-                                                 "0.04, -1e-6", "0.04, -0.04", "-0.04, -0.04",
-                                                 "-0.04, 0"};
-        for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-            text += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}]\nto_m = [{}]\n",
-                                corners.at(i), corners.at(i + 1));
-        }
-        const auto felt = csv_body(said_of("render", text, table));
+        const std::vector<engine::Vec2> corners{{-0.04, 0},    {0, 0},        {0, -1e-6},
+                                                {0.04, -1e-6}, {0.04, -0.04}, {-0.04, -0.04},
+                                                {-0.04, 0}};
+        const auto felt = csv_body(said_of("render", text + lines_text(corners), table));
         REQUIRE(felt.size() == 160);
         for (std::size_t k = 41; k < felt.size(); ++k) {
             CAPTURE(slew, k);

@@ -1,7 +1,7 @@
 #include <cctype>
 
-#include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
 
 using engine::Vec2;
 
@@ -43,15 +43,7 @@ const std::vector<NurbsData<2>> kHill{
 std::string hill_tables(const std::string& head) {
     std::string text;
     for (const NurbsData<2>& segment : kHill) {
-        std::string points;
-        for (const Vec2& p : segment.points) {
-            points += fmt::format("[{}, {}], ", p.x, p.y);
-        }
-        text += fmt::format(
-            "[[{}]]\nkind = \"nurbs\"\ndegree = {}\nknots = [{}]\npoints_m = [{}]\nweights = "
-            "[{}]\n",
-            head, segment.degree, fmt::join(segment.knots, ", "), points,
-            fmt::join(segment.weights, ", "));
+        text += segment_text(segment, head);
     }
     return text;
 }
@@ -59,19 +51,13 @@ std::string hill_tables(const std::string& head) {
 const std::string kHills = test_text("hills.toml");
 
 std::string scene_text(const Row& trial) {
-    constexpr const char* kArc =
-        "[[segment]]\nkind = \"arc\"\nfrom_m = {}\nto_m = {}\ncurvature_per_m = 8\n";
-    const std::string curves =
-        fmt::format(kArc, "[-0.04, 0.0]", "[0.0, 0.04]") +
-        fmt::format(kArc, "[0.0, 0.04]", "[0.04, 0.0]") +
-        "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n";
     const bool rubs = trial.at("friction") == "on";
     return fmt::format(
                "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = {}\n"
                "vertex_slew_m_per_s = 0.2\nvertex_radius_m = 0.003\n",
                rubs ? "\"gos\"\nmu_s = 0.7\nmu_d = 0.5\ntau_slip_s = 0.02\ntau_heal_s = 0.1"
                     : "\"frictionless\"") +
-           (trial.at("object") == "hill" ? hill_tables("segment") : curves);
+           (trial.at("object") == "hill" ? hill_tables("segment") : two_arcs_text(8.0));
 }
 
 /// The point of a segment of the hill, from the definition of a NURBS.
