@@ -3,8 +3,7 @@
 #include "tests/support/studies.hpp"
 
 TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick") {
-    const TemporaryFile file("d.sqlite");
-    ran(run_words("shape_friction", "P1", file, {"--headless"}));
+    const RunFile file("shape_friction");
     data::Database database(file, data::Access::read);
     CHECK(lines(database,
                 "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial "

@@ -49,8 +49,7 @@ TEST_CASE(
         const Words words =
             run_words(study_of_rig(folder), "P1", folder.file("d.sqlite"), {"--device", device});
         const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
-        return ended(Process(command_of(joined(words, with)), {"SDL_VIDEODRIVER=dummy"}).wait(), 2)
-            .error;
+        return ended(unseen(joined(words, with)), 2).error;
     };
     const std::string rig = commissioned_rig(folder, "haply:/dev/one");
     CHECK_THAT(run("haply:/dev/one", ""),
@@ -81,10 +80,7 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
                            ? Words{study}
                            : Words{"--protocol", study, "--seconds", "0.05", "--json"};
         const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
-        return Process(
-                   joined({palpate_program(), command, "--device", board.word()}, joined(with, of)),
-                   {"SDL_VIDEODRIVER=dummy"})
-            .wait();
+        return unseen(joined({command, "--device", board.word()}, joined(with, of)));
     };
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder.path());

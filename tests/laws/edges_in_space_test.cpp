@@ -192,9 +192,7 @@ TEST_CASE(
 
 TEST_CASE(
     "without friction a god-object goes to the first foot of its way in space as in the plane") {
-    const auto seed = GENERATE(seeds(12U));
-    CAPTURE(seed);
-    Random random(seed + 4200U);
+    SEEDED(random, 12U, 4200U);
     std::string plane_scene = "[friction]\nlaw = \"frictionless\"\n";
     std::string space_scene = plane_scene;
     for (const NurbsData<2>& side : wavy(random)) {
@@ -224,8 +222,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane") {
-    const auto seed = GENERATE(seeds(8U));
-    Random random(seed + 4400U);
+    SEEDED(random, 8U, 4400U);
     const engine::Vec2 from{-0.04, random.in(-0.01, 0.01)};
     const engine::Vec2 to{0.04, random.in(-0.01, 0.01)};
     const double wall = random.in(0.4, 2.0);  // how steep both rise from the floor
@@ -248,7 +245,7 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
     }
     const Columns plane = edge_felt(common + line_text(from, to), way.plane);
     const Columns space = edge_felt(space_scene, way.space);
-    CAPTURE(seed, from.y, to.y, wall, common);
+    CAPTURE(from.y, to.y, wall, common);
     REQUIRE(plane.at("t_s").size() == 2000);
     check_alike(plane, space, {"held"}, 0.0);
     check_alike(plane, space, {"fn_n", "ft_n", "fx_n", "up"}, 1e-9);
@@ -257,8 +254,7 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
 }
 
 TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror") {
-    const auto seed = GENERATE(seeds(8U));
-    Random random(seed + 4300U);
+    SEEDED(random, 8U, 4300U);
     const double left = random.in(0.15, 0.5);
     const double right = random.in(0.15, 0.5);
     const double mu = random.in(0.3, 3.0);
@@ -279,7 +275,7 @@ TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, an
     }
     const Columns rigid = edge_felt(scene_of(corner, 0.0), way.plane);
     const Columns soft = edge_felt(scene_of(corner, 1e-7), way.plane);
-    CAPTURE(seed, left, right, mu);
+    CAPTURE(left, right, mu);
     REQUIRE(rigid.at("t_s").size() == 3000);
     check_alike(rigid, soft, {"fx_n", "up"}, 5e-3);
     for (const double compliance : {1e-7, 1e-5, 1e-3}) {  // also where a surface still moves

@@ -1,6 +1,3 @@
-#include <signal.h>
-#include <sys/stat.h>
-
 #include "data/store/database.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/lab_files.hpp"
@@ -270,13 +267,8 @@ TEST_CASE("a query that somebody pasted reads this file, and ends") {
     CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
 }
 
-TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go") {
+TEST_CASE("what an export left half-made goes, and no code is taken for an option") {
     const LabFiles files;
-    const auto rights = [](const std::string& file) {
-        struct stat status {};
-        REQUIRE(stat(file.c_str(), &status) == 0);
-        return status.st_mode & 0777U;
-    };
     const std::string shared = files.folder.file("shared");
     const std::string left = shared + ".palpate-part-aBcD12";
     std::filesystem::create_directory(left);
@@ -287,21 +279,6 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
                Has("aBcD12", "it is removed"));
     CHECK(!std::filesystem::exists(left));
     CHECK(std::filesystem::exists(near));
-    CHECK((rights(shared + "/trials.csv") & 0044U) != 0);
-    const std::string coded = files.folder.file("coded");
-    ran({"export", files.clean, "--kind", "all", "--keep-codes", "-o", coded});
-    CHECK(rights(coded + "/codes.csv") == 0600);
-    const std::string page = files.folder.file("r.html");
-    ran({"report", files.clean, "--trial", "1", "--keep-codes", "-o", page});
-    CHECK(rights(page) == 0600);
-    // Whoever may write in the folder knows the process, and lays a link where it would write.
-    const std::string victim = files.folder.file("victim");
-    write(victim, "mine");
-    ended(Process({"sh", "-c",
-                   "ln -s \"$2\" \"$3.$$.part\"; exec \"$0\" report \"$1\" --trial 1 -o \"$3\"",
-                   palpate_program(), files.clean, victim, page})
-              .wait());
-    CHECK(std::filesystem::file_size(victim) == 4);
     for (const char* code : {"--help", "-rf", "_a"}) {
         const Finished refused =
             ran({"run", "shape_friction_demo", std::string("--participant=") + code, "--db",

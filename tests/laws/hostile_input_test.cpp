@@ -69,8 +69,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
 
 TEST_CASE("a database whose protocol is deep or long ends no command by a signal") {
     const TemporaryFolder folder;
-    const std::string db = folder.file("d.sqlite");
-    ran(run_words("shape_friction_demo", "P1", db, {"--headless"}));
+    const std::string db = run_by({"P1"}, "shape_friction_demo", folder.file("d.sqlite"));
     const std::string text = GENERATE(deep(0, 15'000), "a = '" + times(5'000'000, "x") + "'\n");
     {
         data::Database database(db, data::Access::write);
@@ -157,10 +156,7 @@ TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait
     CHECK_THAT(ran({"screenshots", "--font", pipe, "-o", folder.file("o")}, 2).error,
                Has("there is no such file"));
     // What comes through a pipe is read: <(...) of a shell is one. What never ends is not.
-    ended(Process({"bash", "-c",
-                   palpate_program() + " check <(cat " PALPATE_SOURCE_DIR
-                                       "/protocols/library/stress.toml)"})
-              .wait());
+    ended(shell("\"$0\" check <(cat " PALPATE_SOURCE_DIR "/protocols/library/stress.toml)"));
     CHECK_THAT(palpate_command({"check", "/dev/zero"}).error, Has("is longer than"));
     check_end(palpate_command({"check", pipe}), 2,  // takes its 10 s of patience
               Has("pipe:1:1: cannot be read: nothing has come out"));

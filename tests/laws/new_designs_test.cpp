@@ -9,25 +9,10 @@ const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
 }  // namespace
 
 TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit") {
-    const TemporaryFile file("d.sqlite");
-    ran(run_words(kForms, "P1", file, {"--headless"}));
+    const RunFile file(kForms);
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
-    CHECK(
-        sql_first(file,
-                  "SELECT sum(correct) || ' of ' || count(*) FROM analysis_trial WHERE counts AND "
-                  "phase = 'main'") == "16 of 16");
-    CHECK(sql_first(
-              file,
-              "SELECT group_concat(DISTINCT planned_object) FROM (SELECT planned_object FROM plan "
-              "WHERE curvature_per_m IS NULL ORDER BY planned_object)") == "dome,steps");
-    CHECK(sql_first(file,
-                    "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
-                    "friction) > 1)") == "0");
-    CHECK(sql_first(
-              file,
-              "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object sha256 "
-              "%'") == "6");
+    check_truths(file, "free_form_truths.tsv");
     CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
 }
 
@@ -39,7 +24,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     std::ofstream(study, std::ios::app)  // short trials: their order is what counts
         << "[timing]\nexplore_min_s = 0.1\nexplore_prompt_s = 0.2\nexplore_timeout_s = 0.3\n";
     for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
-        ran(run_words(study, code, file, {"--headless"}));
+        run_by({code}, study, file);
         // As if people had felt it: only they count for the next one's order.
         sql_edit(file, "UPDATE session SET session_kind = 'real'");
     }
@@ -53,8 +38,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
 }
 
 TEST_CASE("another outline under the same name is found by its hash") {
-    const TemporaryFile file("d.sqlite");
-    ran(run_words(kForms, "P1", file, {"--headless"}));
+    const RunFile file(kForms);
     sql_edit(file, "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
     CHECK_THAT(ran({"verify", file}, 1).out, Has("dome"));
 }
@@ -79,7 +63,6 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
     const Words run = run_words("shape_friction", "L1", file,
                                 {"--device", "haply:/nonexistent", "--calibration",
                                  commissioned_rig(folder, "haply:/nonexistent")});
-    check_end(Process(command_of(run), {"SDL_VIDEODRIVER=dummy"}).wait(), 2,
-              Has("asks for handedness \"right\"", "a score of -60", "pilot"));
+    check_end(unseen(run), 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
     CHECK(sql_first(file, "SELECT count(*) FROM session") == "0");
 }

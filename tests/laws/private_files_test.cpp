@@ -4,8 +4,7 @@
 
 TEST_CASE("whatever is written with participants' codes is its owner's alone") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
+    const std::string file = run_by({"P1"}, kFourTrials, folder.file("d.sqlite"));
     const auto others_read = [&](const Words& words, const std::string& made) {
         CAPTURE(words, made);
         ran(words);
@@ -28,7 +27,11 @@ TEST_CASE("whatever is written with participants' codes is its owner's alone") {
                (entry.status().permissions() & std::filesystem::perms::others_all) ==
                    std::filesystem::perms::none));
     }
-    CHECK(slurp(page).find("P1") != std::string::npos);
+    CHECK_THAT(slurp(page), Has("P1"));
+    CHECK_FALSE(
+        others_read({"report", file, "--trial", "1", "--keep-codes", "-o", page}, "codes.html"));
+    CHECK(
+        others_read({"export", file, "--kind", "all", "-o", folder.file("out")}, "out/trials.csv"));
 }
 
 TEST_CASE("a link that somebody laid leads to no file of theirs") {
@@ -36,29 +39,23 @@ TEST_CASE("a link that somebody laid leads to no file of theirs") {
     const std::string victim = folder.file("victim");
     std::ofstream(victim) << "theirs";
     const auto finished = [&](const std::string& command) {
-        const Finished end = Process({"sh", "-c", command}, {"SDL_VIDEODRIVER=dummy"}).wait();
-        CAPTURE(command, end.error);
-        CHECK(end.code == 0);
+        ended(shell("export SDL_VIDEODRIVER=dummy; " + command, folder.path()));
         CHECK(slurp(victim) == "theirs");
     };
     // A name that can be foretold: the process's number is the shell's.
-    finished("ln -s '" + victim + "' '" + folder.file("d.sqlite") + "'.$$.part; exec '" +
-             palpate_program() +
-             "' run " PALPATE_SOURCE_DIR
-             "/tests/golden/four_trials.toml --participant P1 --headless --db '" +
-             folder.file("d.sqlite") + "'");
+    finished("ln -s victim d.sqlite.$$.part; exec \"$0\" run '" + kFourTrials +
+             "' --participant P1 --headless --db d.sqlite");
+    finished("ln -s victim r.html.$$.part; exec \"$0\" report d.sqlite --trial 1 -o r.html");
     std::filesystem::create_directory(folder.file("screens"));
-    finished("ln -s '" + folder.file("nobody") + "' '" + folder.file("screens") +
-             "/end.png'; exec '" + palpate_program() + "' screenshots --protocol pilot -o '" +
-             folder.file("screens") + "'");
+    finished(
+        "ln -s ../nobody screens/end.png; exec \"$0\" screenshots --protocol pilot -o screens");
     CHECK_FALSE(std::filesystem::exists(folder.file("nobody")));
     CHECK_FALSE(std::filesystem::is_symlink(folder.file("screens/end.png")));
 }
 
 TEST_CASE("an export says of what was noted afterwards no time since the first trial") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
+    const std::string file = run_by({"P1"}, kFourTrials, folder.file("d.sqlite"));
     ran({"mark", file, "2", "--invalid", "slept"});
     ran({"note", file, "slept", "--participant", "P1"});
     ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});

@@ -31,10 +31,8 @@ std::string sheet(Random& random) {
 
 TEST_CASE(
     "out of contact render's god-object is the closest point, as `palpate closest` finds it") {
-    const auto seed = GENERATE(seeds(6U));
+    SEEDED(random, 6U, 2900U);
     const bool space = seed % 2U == 1U;
-    CAPTURE(seed, space);
-    Random random(seed + 2900U);
     const std::string scene = kRubs + (space ? sheet(random) : bows(random));
     // Above the object, far and near, now and then into it.
     const double phase = random.in(0.0, 6.0);
@@ -73,12 +71,11 @@ TEST_CASE(
 
 TEST_CASE(
     "a hand led round an open end or border feels nothing before it comes through the surface") {
-    const auto seed = GENERATE(seeds(20U));
+    SEEDED(random, 20U, 4100U);
     const char* const scenes[] = {"", kRubs, "[friction]\nlaw = \"dahl\"\nmu_d = 0.5\n"};
     const bool space = seed % 4U == 3U;
-    Random random(seed + 4100U);
     const std::string scene = space ? kRubs + sheet(random) : scenes[seed % 4U] + bows(random);
-    CAPTURE(seed, scene);
+    CAPTURE(scene);
     // Above, round the side, under it and deep, back, and down through it from above.
     const double step = random.in(1e-4, 1e-3);
     const double side = random.coin() ? 0.09 : -0.09;
@@ -192,10 +189,8 @@ TEST_CASE(
 TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
     "path") {
-    const auto seed = GENERATE(seeds(2U));
-    const std::string command = GENERATE(as<std::string>{}, "render", "closest");
-    CAPTURE(seed, command);
-    Random random(seed + 2910U);
+    SEEDED(random, 2U, 2910U);
+    EACH(command, as<std::string>{}, "render", "closest");
     const TemporaryFolder folder;
     write(folder.file("s.toml"), kRubs + bows(random));
     // Rows of any width, some 2 MB: pieces of them begin anywhere in a row.
@@ -215,13 +210,9 @@ TEST_CASE(
     write(folder.file("t.csv"), path);
     write(folder.file("few.csv"), few);
     const auto felt = [&](const std::string& shell) {
-        Process process({"/bin/sh", "-c",
-                         fmt::format("cd {} && P='{} {} s.toml' && {}", folder.path().string(),
-                                     palpate_program(), command, shell)});
-        Finished done = process.wait();
-        CAPTURE(shell, done.error);
-        REQUIRE(done.code == 0);
-        return done.out;
+        return ended(tests::shell(fmt::format("P=\"$0 {} s.toml\" && {}", command, shell),
+                                  folder.path()))
+            .out;
     };
     const std::string whole = felt("$P t.csv");
     CHECK(std::count(whole.begin(), whole.end(), '\n') == kRows + 1);
@@ -237,14 +228,11 @@ TEST_CASE(
     path.insert(last, "x");
     write(folder.file("bad.csv"), path);
     for (const std::string to : {"", "-o bad_o.csv"}) {
-        Process process({"/bin/sh", "-c",
-                         fmt::format("cd {} && {} {} s.toml bad.csv {}", folder.path().string(),
-                                     palpate_program(), command, to)});
-        const Finished done = process.wait();
-        CAPTURE(to, done.error);
-        CHECK(done.code == 2);
+        const Finished done =
+            shell(fmt::format("\"$0\" {} s.toml bad.csv {}", command, to), folder.path());
+        CAPTURE(to);
+        check_end(done, 2, Has("bad.csv:", "not a finite number"));
         CHECK(done.out.empty());
-        CHECK_THAT(done.error, Has("bad.csv:", "not a finite number"));
         CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
     }
 }

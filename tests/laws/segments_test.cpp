@@ -179,9 +179,8 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
 
 TEST_CASE("sample, render, the views and BIDS name the same segment of a form of many spans") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");
-    ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
+    write(folder.file("p.toml"), kHills + hill_tables("object.segment"));
+    const std::string file = run_by({"P1"}, folder.file("p.toml"), folder.file("a.sqlite"));
     const std::vector<Row> trials = rows_of(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "

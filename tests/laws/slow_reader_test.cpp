@@ -44,9 +44,8 @@ std::unique_ptr<Process> run_into(const std::string& out,
                                   const std::string& speed = "0") {
     return std::make_unique<Process>(
         joined({"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"", "sh", out},
-               command_of(run_words("shape_friction_demo", "P1", file,
-                                    {"--headless", "--speed", speed, "--secret", kRunSecret}))),
-        Words{"DISPLAY", "WAYLAND_DISPLAY"});
+               command_of(demo_words(file, "P1", speed))),
+        kNoDisplay);
 }
 
 std::string answers(const std::string& file) {

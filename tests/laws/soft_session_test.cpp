@@ -16,10 +16,8 @@ std::string soft_study() {
 
 TEST_CASE("an episode is one coming into contact of soft objects too, and no free tick is cut") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("soft.toml");
-    const std::string db = folder.file("soft.sqlite");
-    std::ofstream(file) << soft_study();
-    ran(run_words(file, "P1", db, {"--headless"}));
+    const std::string db =
+        run_by({"P1"}, write(folder.file("soft.toml"), soft_study()), folder.file("soft.sqlite"));
     const auto trials = csv_body(sql_csv(
         db,
         "WITH s AS (SELECT trial_id, mode, flags, lag(mode, 1, 'free') OVER (PARTITION BY "

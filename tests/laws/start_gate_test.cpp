@@ -76,10 +76,8 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[win
     for (const Words& second :  // the port has its program
          {run_words(folder.file("p.toml"), "P2", folder.file("second.sqlite"), {"--kind", "pilot"}),
           Words{"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
-        const Words words =
-            joined(command_of(second), {"--device", board.word(), "--calibration", "2diy_gen3"});
-        check_end(Process(words, {"SDL_VIDEODRIVER=dummy"}).wait(), 1,
-                  Has("in use by another program, palpate"));
+        check_end(unseen(joined(second, {"--device", board.word(), "--calibration", "2diy_gen3"})),
+                  1, Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
     CHECK(session.ask("SELECT min(abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < "
@@ -88,10 +86,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[win
     CHECK_THAT(ended(session.finish(), 3).out, Has("four_trials: pilot, participant P1"));
     // It is a pilot: that is said before another device is looked for.
     const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
-    const Words as_real =
-        command_of(run_words(folder.file("p.toml"), "P1", file,
-                             {"--device", "haply:/nonexistent", "--calibration", rig}));
-    check_end(Process(as_real, {"SDL_VIDEODRIVER=dummy"}).wait(), 2,
+    const Words as_real = run_words(folder.file("p.toml"), "P1", file,
+                                    {"--device", "haply:/nonexistent", "--calibration", rig});
+    check_end(unseen(as_real), 2,
               Has("is a pilot session; it cannot go on as real", "--kind it was begun with",
                   "--session 2"));
 }

@@ -170,7 +170,6 @@ TEST_CASE(
     const std::string file = folder.file("a.sqlite");
     const Words words = joined(command_of(words_in(folder, "a.sqlite")),
                                {"--speed", "2"});  // longer than a slow machine takes to verify
-    const Words no_display{"DISPLAY", "WAYLAND_DISPLAY"};
     const auto has_ticks_from = [&](int trial) {
         return eventually([&] {
             return sql_now(file, fmt::format("SELECT sum(ticks) >= 512 FROM trace_chunk WHERE "
@@ -186,7 +185,7 @@ TEST_CASE(
         CHECK_THAT(ran({"verify", file}).out, !Has("missing"));
     };
     {
-        Process killed(words, no_display);
+        Process killed(words, kNoDisplay);
         REQUIRE(has_ticks_from(2));
         verifies();
         REQUIRE(killed.running());  // and the reader did not disturb it
@@ -198,7 +197,7 @@ TEST_CASE(
     {
         // On a slow machine verify may have taken the time of another trial.
         const int next = 1 + outcome("complete") + outcome("timed_out") + 1;
-        Process stopped(words, no_display);
+        Process stopped(words, kNoDisplay);
         REQUIRE(has_ticks_from(next));
         CHECK(stopped.ended_by(SIGINT) == 3);
     }

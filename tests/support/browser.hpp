@@ -71,6 +71,10 @@ public:
                        std::to_string(body.size()) + "\r\n" + more,
                    body);
     }
+    /// As the page does it, once its token was traded.
+    [[nodiscard]] std::string act(const std::string& body) const {
+        return act(body, cookie + origin());
+    }
     [[nodiscard]] std::string ask(const std::string& head, const std::string& body = {}) const {
         HttpLine line(port);
         line.say(head + "Connection: close\r\n\r\n" + body);
