@@ -105,12 +105,8 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
         const std::string words =
             "commission " + behind(check.out, "palpate commission ", end) + end;
         TypedTo named(folder, calibration.empty() ? "none" : "another", words);
-        CHECK(eventually([&] {
-            return named.program().out().find("Type yes:") != std::string::npos ||
-                   !named.program().running();
-        }));
         CAPTURE(words);
-        CHECK(named.program().running());
+        CHECK(named.says("Type yes:"));
         named.program().signal(SIGTERM);
         static_cast<void>(named.program().wait());
     }
@@ -290,11 +286,7 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     CHECK(count_of(program.program().out(), "Type yes:") == questions);
 
     // A board that is opened anew where the handle stands takes that for home, and not unseen.
-    CHECK(eventually([&] {
-        return count_of(program.program().out(), "Bring the handle to") == 1 ||
-               !program.program().running();
-    }));
-    if (!program.program().running()) {
+    if (!program.says("Bring the handle to")) {
         return;  // a busy machine
     }
     board.bring(last_place(program.program().out()));

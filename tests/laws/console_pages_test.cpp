@@ -1,5 +1,4 @@
 #include "tests/support/console.hpp"
-#include "tests/support/stranger.hpp"
 
 // Several pages of one session, servers that die or stand still, and another user of the machine.
 // Nothing is asserted about time.

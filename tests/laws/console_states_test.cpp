@@ -2,7 +2,6 @@
 
 #include "ui/console/page_server.hpp"
 #include "ui/rig/json_line.hpp"
-#include "tests/support/browser.hpp"
 #include "tests/support/dev_tools.hpp"
 
 // The experimenter's page as it lies in its files: what it is made of, and told of every state that

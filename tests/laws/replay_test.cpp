@@ -1,20 +1,32 @@
+#include "engine/realtime/felt_scene.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/scenes.hpp"
+#include "tests/support/short_text.hpp"
 
 namespace {
 
-Words run(const std::string& file, const std::string& device) {
-    return run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device});
+Words run(const std::string& study, const std::string& file, const std::string& device) {
+    return run_words(study, "P1", file, {"--headless", "--device", device});
+}
+
+/// A study in the plane, or the shipped patches in space, each condition once.
+std::string study_in(const TemporaryFolder& folder, bool space) {
+    return space ? write(folder.file("patches.toml"),
+                         short_text("patch_friction",
+                                    {{"repetitions = 5", "repetitions = 1"},
+                                     {"practice_repetitions = 1", "practice_repetitions = 0"}}))
+                 : "shape_friction_demo";
 }
 
 }  // namespace
 
 TEST_CASE("every recorded force comes back to the bit from the database alone") {
-    const TemporaryFile file("a.sqlite");
-    ran(run(file, "sim"));
+    EACH(space, false, true);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran(run(study_in(folder, space), file, "sim"));
     data::Database database(file, data::Access::read);
     auto text = database.first("SELECT protocol_toml FROM study");
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
@@ -22,23 +34,28 @@ TEST_CASE("every recorded force comes back to the bit from the database alone") 
         "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
     int replayed = 0;
     while (trial.step()) {
-        const auto index = [&](const auto& list, const std::string& name) {
-            return static_cast<std::size_t>(
-                std::find_if(list.begin(), list.end(),
-                             [&](const auto& one) { return one.name == name; }) -
-                list.begin());
+        const auto named = [](const auto& list, const std::string& name) {
+            return *std::ranges::find_if(list, [&](const auto& one) { return one.name == name; });
         };
-        engine::Scene scene = protocols::make_scene(
-            protocol,
-            {index(protocol.objects, trial.text(1)), index(protocol.frictions, trial.text(2))});
+        engine::FeltScene scene = protocols::make_felt_scene(
+            protocol, {.object = named(protocol.objects, trial.text(1)),
+                       .friction = named(protocol.frictions, trial.text(2))});
         scene.restore_decay({trial.real(3), trial.real(4)});
-        engine::ContactState state;
+        engine::FeltState state;
         for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
-            const engine::Contact contact = scene.tick(state, engine::Vec2(tick.hip));
-            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0);
-            REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof contact.go) == 0);
-            REQUIRE(contact.mu == tick.mu);
-            REQUIRE(contact.mode == tick.mode);
+            const auto check = [&](const auto& contact) {
+                REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0);
+                REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof contact.go) == 0);
+                REQUIRE(contact.mu == tick.mu);
+                REQUIRE(contact.mode == tick.mode);
+            };
+            if (space) {
+                const auto contact = scene.space()->tick(state.space, tick.hip);
+                check(contact);
+                REQUIRE(contact.go_v == tick.v);
+            } else {
+                check(scene.plane()->tick(state.plane, engine::Vec2(tick.hip)));
+            }
             ++replayed;
         }
     }
@@ -46,18 +63,20 @@ TEST_CASE("every recorded force comes back to the bit from the database alone") 
 }
 
 TEST_CASE("a session on a replayed hand feels and answers as the recorded one") {
+    EACH(space, false, true);
     const TemporaryFolder folder;
+    const std::string study = study_in(folder, space);
     const std::string first = folder.file("a.sqlite");
     const std::string second = folder.file("b.sqlite");
-    ran(run(first, "sim"));
-    ran(run(second, "replay:" + first));
+    ran(run(study, first, "sim"));
+    ran(run(study, second, "replay:" + first));
     data::Database a(first, data::Access::read);
     data::Database b(second, data::Access::read);
     const auto trials_a = data::answered_trials(a);
     const auto trials_b = data::answered_trials(b);
-    REQUIRE(trials_a.size() == 10);
-    REQUIRE(trials_b.size() == 10);
-    for (std::size_t i = 0; i < 10; ++i) {
+    REQUIRE(trials_a.size() == (space ? 8 : 10));
+    REQUIRE(trials_b.size() == trials_a.size());
+    for (std::size_t i = 0; i < trials_a.size(); ++i) {
         const auto one = data::TraceReader(a).read(trials_a[i]);
         const auto two = data::TraceReader(b).read(trials_b[i]);
         REQUIRE(one.size() == two.size());
@@ -79,8 +98,9 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one") 
 TEST_CASE("one named trial can be replayed for all") {
     const TemporaryFolder folder;
     const std::string first = folder.file("a.sqlite");
-    ran(run(first, "sim"));
-    ran(run(folder.file("b.sqlite"), "replay:" + first + ":3"));
-    CHECK_THAT(ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2).error,
+    const std::string demo = study_in(folder, false);
+    ran(run(demo, first, "sim"));
+    ran(run(demo, folder.file("b.sqlite"), "replay:" + first + ":3"));
+    CHECK_THAT(ran(run(demo, folder.file("c.sqlite"), "replay:" + first + ":333"), 2).error,
                Has("no trial 333"));
 }
