@@ -17,19 +17,11 @@ const std::string kAllRight =
 
 TEST_CASE("nothing is written beside what a file's schema would do") {
     const LabFiles files;
-    for (const auto& [sql, name] : std::vector<std::pair<std::string, std::string>>{
-             {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
-              "started_utc = '2001-01-01T00:00:00.000Z'; END",
-              "trigger t"},
-             {"CREATE TRIGGER \"Q\" BEFORE INSERT ON Response BEGIN SELECT RAISE(IGNORE); END",
-              "trigger Q"},
-             {kAllRight, "view analysis_trial"},
-             {"DROP VIEW fault", "view fault"},
-             {"ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5", "table response"},
-             {"CREATE TABLE mine (n REFERENCES trial (attempt))", "table mine"},
-             {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
-             {"CREATE INDEX by_number ON trial (outcome COLLATE uint)", "index by_number"},
-             {kEndless, "table trial"}}) {
+    auto edits = test_rows("edits/foreign_schemas.tsv");
+    edits.push_back({kAllRight, "view analysis_trial"});
+    edits.push_back({kEndless, "table trial"});
+    for (const Words& edit : edits) {
+        const std::string& sql = edit.at(0);
         const std::string file = files.with(sql);
         const std::string before = lab_sqlite(file, ".dump");
         for (const Words& words : {files.run(file, "P02"),
@@ -39,7 +31,7 @@ TEST_CASE("nothing is written beside what a file's schema would do") {
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
             CAPTURE(sql, words.front());
-            CHECK_THAT(ran(words, 2).error, Has(name, "nothing is written into it"));
+            CHECK_THAT(ran(words, 2).error, Has(edit.at(1), "nothing is written into it"));
         }
         CHECK(lab_sqlite(file, ".dump") == before);
     }

@@ -41,12 +41,11 @@ std::string mixed_study(const TemporaryFolder& folder) {
 /// The account's lines of people and answers, wherever it stands.
 std::set<std::string> account_in(const std::string& text) {
     std::set<std::string> lines;
-    for (const char* begin : {"people: ", "answers of main trials: "}) {
-        for (std::size_t at = text.find(begin); at != std::string::npos;
-             at = text.find(begin, at + 1)) {
-            const std::size_t end = text.find_first_of("\n<", at);
-            if (text.substr(at, end - at).find("in the file") != std::string::npos) {
-                lines.insert(text.substr(at, end - at));
+    const std::string ends = all_replaced(text, "<", "\n") + '\n';
+    for (const std::string begin : {"people: ", "answers of main trials: "}) {
+        for (const std::string& rest : between(ends, begin, "\n")) {
+            if (rest.find("in the file") != std::string::npos) {
+                lines.insert(begin + rest);
             }
         }
     }

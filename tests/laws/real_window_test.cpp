@@ -52,19 +52,15 @@ void explore(XHand& hand, const XHand::Window& window) {
     }
 }
 
-struct Condition {
-    double curvature = 0.0;
-    bool friction = false;
-};
-
 /// Largest difference between the recorded forces and those of the exact object under the recorded
 /// pointer, by an independent method.
 double worst_difference(std::span<const engine::TickRecord> trace,
-                        const Condition& condition,
+                        double curvature,
+                        bool rubs,
                         int& touched) {
-    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, condition.curvature};
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, curvature};
     GosOracle::Law law{.stiffness = 1000.0};
-    if (condition.friction) {
+    if (rubs) {
         law = {.stiffness = 1000.0, .mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
     }
     GosOracle oracle(side, law);
@@ -148,7 +144,7 @@ TEST_CASE(
         const auto trace = data::TraceReader(database).read(row.integer(0));
         CHECK(glm::length(Vec2(trace.front().hip) - Vec2{0.0, 0.060}) < 1e-7);
         CHECK(longest_step(trace) < 0.02);  // nor did it come from where it had been
-        CHECK(worst_difference(trace, {row.real(1), row.text(2) == "on"}, touched) <= 1e-9);
+        CHECK(worst_difference(trace, row.real(1), row.text(2) == "on", touched) <= 1e-9);
         CHECK(touched > 200);
     }
     CHECK(trials == 4);

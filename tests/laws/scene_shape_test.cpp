@@ -131,28 +131,11 @@ TEST_CASE("what is wrong with a scene is said at its place, and what its law doe
     // What no object can be made of is refused by render, as in a protocol.
     const TemporaryFolder folder;
     write(folder.file("p.csv"), kPlanePoints);
-    const auto line = [](double x0, double y0, double x1, double y1) {
-        return line_text({x0, y0}, {x1, y1});
-    };
-    const std::string soft = "[renderer]\ncompliance_m_per_n = 0.001\n";
-    for (const auto& [text, sentence] : std::vector<std::pair<std::string, std::string>>{
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0),
-              "5:1: segment 2 starts 0.0001 m "},
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.01, 0),
-              "5:1: the outline runs back along "
-              "itself where segment 2 starts"},
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.05, 0.01) +
-                  segment_text(bezier_data({{0.05, 0.01}, {0.05, 0.01}})),
-              "9:1: segment 3 is a mere point"},
-             {soft + line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0) +
-                  line(0.06, 0, 0.06, -0.01),
-              "7:1: segment 2 starts 0.0001 m "},
-             {soft + line(-0.04, 0, 0.04, 0),
-              "2:22: a compliance is for two curves on a base line"}}) {
-        write(folder.file("s.toml"), text);
-        CAPTURE(text);
+    for (const auto& row : test_rows("no_object_problems.tsv")) {
+        write(folder.file("s.toml"), row.at(0));
+        CAPTURE(row);
         check_end(palpate_command({"render", folder.file("s.toml"), folder.file("p.csv")}), 2,
-                  Has(folder.file("s.toml") + ":" + sentence));
+                  Has(folder.file("s.toml") + ":" + row.at(1)));
     }
 }
 
