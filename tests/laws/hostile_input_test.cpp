@@ -115,21 +115,8 @@ TEST_CASE("what is no file is refused as a database by every command, at once") 
     REQUIRE(bind(socket_of, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
     const std::string out = folder.file("out");
     for (const std::string& db : {pipe, plug, std::string("/dev/zero"), folder.path().string()}) {
-        for (const Words& words : std::vector<Words>{
-                 {"verify", db},
-                 {"summary", db},
-                 {"sql", db, "-c", ".tables"},
-                 {"trace", db, "1"},
-                 {"note", db, "seen", "--participant", "P1"},
-                 {"mark", db, "1", "--invalid", "late"},
-                 {"participant", db, "P1", "--new"},
-                 {"export", db, "-o", out},
-                 {"merge", out, db},
-                 {"demo", "--headless", "--db", db},
-                 {"sequence", "shape_friction_demo", "--participant", "P1", "--db", db},
-                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", db},
-                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", out,
-                  "--device", "replay:" + db}}) {
+        for (const Words& row : test_rows("database_commands.tsv")) {
+            const Words words = words_of("", row.at(0), {{"{db}", db}, {"{out}", out}});
             CAPTURE(words);
             CHECK_THAT(ran(words, 2).error,
                        Matches(".*: this is a (folder|pipe|socket|device), no file: .*\n",

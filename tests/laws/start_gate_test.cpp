@@ -1,5 +1,6 @@
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/short_text.hpp"
 
 // Where a trial begins, and how a question ends that nobody answers: the shipped program in a
 // window.
@@ -28,10 +29,6 @@ struct Gated : WindowSession {
             replaced(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"));
     }
 };
-
-std::string shipped(const std::string& name) {
-    return slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
-}
 
 /// Presses Space at Ready for some time. @return nothing began
 bool stays_ready(WindowSession& session) {
@@ -113,7 +110,7 @@ TEST_CASE(
     "[window][haply]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
-    Gated session(folder, *board, shipped("softness_2afc"));
+    Gated session(folder, *board, short_text("softness_2afc"));
     const auto replugged = [&] {
         const std::string back =
             session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
@@ -164,7 +161,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     const TemporaryFolder folder;
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
-    Gated session(folder, board, shipped("patch_friction"), kGantry);
+    Gated session(folder, board, short_text("patch_friction"), kGantry);
     for (const char* beside : {"8,0,40", "0,-8,40", "0,0,48"}) {
         CAPTURE(beside);
         board.bring(beside);
