@@ -74,20 +74,15 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever") {
     CHECK_THAT(ran({"sql", added, "-c", "SELECT 1 FROM main.confusion"}, 1).error,
                Has("palpate's own go by their names without main"));
     const std::string endless = files.with(kEndless);
-    for (const Words& words :
-         std::vector<Words>{{"summary", endless},
-                            {"verify", endless},
-                            {"stats", endless},
-                            {"fit", endless},
-                            {"audit", endless},
-                            {"trace", endless, "1"},
-                            {"report", endless, "-o", files.folder.file("r.html")},
-                            {"export", endless, "-o", files.folder.file("shared")},
-                            {"merge", files.folder.file("new.sqlite"), endless},
-                            {"sql", endless, "-c", "SELECT count(*) FROM trial"}}) {
-        const Words all = joined({palpate_program()}, words);
-        const Finished done = Process(all).wait(std::chrono::seconds(60));
-        CAPTURE(words.front(), done.out, done.error);
+    for (const char* line : {"summary {db}", "verify {db}", "stats {db}", "fit {db}", "audit {db}",
+                             "trace {db} 1", "report {db} -o {out}", "export {db} -o {out}",
+                             "merge {out} {db}", "sql {db} -c {query}"}) {
+        const Words words = words_of(palpate_program(), line,
+                                     {{"{db}", endless},
+                                      {"{out}", files.folder.file("new")},
+                                      {"{query}", "SELECT count(*) FROM trial"}});
+        const Finished done = Process(words).wait(std::chrono::seconds(60));
+        CAPTURE(line, done.out, done.error);
         CHECK((done.code == 1 || done.code == 2));
         CHECK_THAT(done.out + done.error, Has("table trial"));
     }
@@ -118,15 +113,12 @@ TEST_CASE("of a file with a damaged page nothing is said but that it is damaged"
         std::fstream edited(file, std::ios::binary | std::ios::in | std::ios::out);
         edited.seekp(at + 3).write("\0\0", 2);
     }
-    for (const Words& words :
-         std::vector<Words>{{"summary", file},
-                            {"participant", file},
-                            {"status", file},
-                            {"stats", file, "--kind", "simulated"},
-                            {"export", file, "--kind", "all", "-o", files.folder.file("shared")},
-                            {"merge", files.folder.file("all.sqlite"), file}}) {
-        CAPTURE(page, words.front());
-        const Finished done = ran(words, 1);
+    for (const char* line :
+         {"summary {db}", "participant {db}", "status {db}", "stats {db} --kind simulated",
+          "export {db} --kind all -o {out}", "merge {out} {db}"}) {
+        CAPTURE(page, line);
+        const Finished done =
+            ran(words_of("", line, {{"{db}", file}, {"{out}", files.folder.file("new")}}), 1);
         CHECK(done.out.empty());
         CHECK_THAT(done.error, Has("the file is damaged", "restore a copy"));
     }

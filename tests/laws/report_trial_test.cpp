@@ -249,13 +249,10 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
                        Has(why));
             CHECK_FALSE(std::filesystem::exists(folder.file("r.html")));
         };
-        refused({"--trial", "99"}, "has no trial 99: its trial_id go from 1 to 4");
-        for (const char* no_number : {"", "1.5", "x", "99999999999999999999"}) {
-            refused({"--trial", no_number},
-                    fmt::format("--trial: \"{}\" is no whole number from", no_number));
+        for (const auto& row : test_rows("trial_refusals.tsv")) {
+            CAPTURE(row);
+            refused(words_of("", row.at(0), {{"{none}", ""}}), row.at(1));
         }
-        refused({"--trial", "3", "--kind", "simulated"}, "--kind");
-        refused({"--trial", "3", "--signal", "convex"}, "--signal");
         const std::string code = ask(file, "SELECT participant_code FROM participant")[1][0];
         ran({"participant", file, code, "--consent", "no"});
         refused({"--trial", "3"}, "not consenting");
