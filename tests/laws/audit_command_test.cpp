@@ -45,10 +45,7 @@ TEST_CASE("a difference as large as the bound is called the same in 5 % of sampl
 }
 
 TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not") {
-    const TemporaryFile file("d.sqlite");
-    for (const char* person : {"P1", "P2", "P3"}) {
-        ran(run_words(kFourTrials, person, file, {"--device", "sim"}));
-    }
+    const RunFile file(kFourTrials, {"P1", "P2", "P3"});
     const auto audit = [&] {
         return palpate_command({"audit", file, "--kind", "simulated"});
     };
@@ -90,14 +87,8 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
 
 TEST_CASE("no number is made of the answers of who does not consent") {
     const TemporaryFolder folder;
-    const auto record = [&](const std::string& name, const Words& codes) {
-        for (const std::string& code : codes) {
-            ran(run_words(kFourTrials, code, folder.file(name), {"--device", "sim"}));
-        }
-        return folder.file(name);
-    };
-    const std::string with = record("a.sqlite", {"A", "B", "C"});
-    const std::string without = record("b.sqlite", {"A", "B"});
+    const std::string with = run_by({"A", "B", "C"}, kFourTrials, folder.file("a.sqlite"));
+    const std::string without = run_by({"A", "B"}, kFourTrials, folder.file("b.sqlite"));
     const auto said = [](const std::string& command, const std::string& file) {
         CAPTURE(command);
         const Finished done = ran({command, file, "--kind", "simulated"});

@@ -26,12 +26,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
         {"{name}", "Jane Doe"}};
     for (const auto& row : test_rows("wrong_words.tsv")) {
         CAPTURE(row);
-        Words words = split(row.at(0), ' ');
-        std::erase(words, "");
-        for (std::string& word : words) {
-            word = meant.contains(word) ? meant.at(word) : word;
-        }
-        const Finished run = ran(words, 2);
+        const Finished run = ran(words_of("", row.at(0), meant), 2);
         CHECK_THAT(run.error + run.out, Has(row.at(1)));
         CHECK(folder.names().empty());
     }
@@ -134,8 +129,7 @@ TEST_CASE("a session number that leaves a gap is refused, unless the others are 
 
 TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
+    const std::string file = run_by({"P1"}, "shape_friction_demo", folder.file("d.sqlite"));
     for (const Words& words : {Words{"trace", file, "999"},
                                {"trace", file, "1", "--interval", "2"},
                                {"mark", file, "999", "--invalid", "x"},
@@ -199,10 +193,8 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
     const std::string db = folder.file("d.sqlite");
     for (const auto& row : test_rows("mistyped.tsv")) {  // words, what is said, and what is meant
         CAPTURE(row);
-        Words words = split(row.at(0), ' ');
-        std::ranges::replace(words, "{db}", db);
-        std::ranges::replace(words, "{new}", folder.file("x.toml"));
-        const Finished run = ran(words, 2);
+        const Finished run =
+            ran(words_of("", row.at(0), {{"{db}", db}, {"{new}", folder.file("x.toml")}}), 2);
         CHECK_THAT(run.error, Has(row.at(1)));
         if (!row.at(2).empty()) {
             CHECK_THAT(run.error, Has("did you mean " + row.at(2) + "?"));
@@ -275,40 +267,29 @@ TEST_CASE(
 
 TEST_CASE("a file that may not grow is as a full disk: a sentence, and nothing half-made") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
-    std::filesystem::create_directory(folder.file("made"));
-    for (const std::string& words :
-         {"export '" + file + "' --kind all --traces -o out", "merge all.sqlite '" + file + "'",
-          std::string("simulate shape_friction_demo --participants 9 --db s.sqlite"),
-          std::string("run shape_friction_demo --participant P2 --headless --db r.sqlite")}) {
+    const std::string file = run_by({"P1"}, "shape_friction_demo", folder.file("a.sqlite"));
+    const std::string simulate = "simulate shape_friction_demo --db s.sqlite --participants ";
+    const std::string run = "run shape_friction_demo --participant P2 --headless --db r.sqlite";
+    const auto limited = [](const TemporaryFolder& made, int kilobytes, const std::string& words) {
+        return shell(fmt::format("ulimit -f {} && \"$0\" {}", kilobytes, words), made.path());
+    };
+    const TemporaryFolder made;
+    for (const std::string& words : {"export '" + file + "' --kind all --traces -o out",
+                                     "merge all.sqlite '" + file + "'", simulate + "9", run}) {
         CAPTURE(words);
-        const Finished end = Process({"bash", "-c",
-                                      "cd '" + folder.file("made") + "' && ulimit -f 200 && '" +
-                                          palpate_program() + "' " + words})
-                                 .wait();
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 1);
+        const Finished end = ended(limited(made, 200, words), 1);
         CHECK(lines_in(end.error).back().starts_with("palpate: "));
-        for (const auto& entry : std::filesystem::directory_iterator(folder.file("made"))) {
-            const std::string name = entry.path().filename();
+        for (const std::string& name : made.names()) {
             CAPTURE(name);
             CHECK((name.starts_with("r.sqlite") || name.starts_with("s.sqlite")));
         }
     }
     // Where not even the tables of a new file find room there is no file.
-    for (const std::string& words :
-         {std::string("participant p.sqlite P1 --new"), "merge m.sqlite '" + file + "'",
-          std::string("simulate shape_friction_demo --participants 1 --db s.sqlite"),
-          std::string("run shape_friction_demo --participant P2 --headless --db r.sqlite")}) {
+    for (const std::string& words : {std::string("participant p.sqlite P1 --new"),
+                                     "merge m.sqlite '" + file + "'", simulate + "1", run}) {
         CAPTURE(words);
         const TemporaryFolder empty;
-        const Finished end = Process({"bash", "-c",
-                                      "cd '" + empty.path().string() + "' && ulimit -f 8 && '" +
-                                          palpate_program() + "' " + words})
-                                 .wait();
-        CAPTURE(end.out);
-        check_end(end, 1, Has("the disk"));
+        check_end(limited(empty, 8, words), 1, Has("the disk"));
         CHECK(empty.names().empty());
     }
 }

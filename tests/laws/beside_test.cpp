@@ -5,21 +5,12 @@
 /// What lies beside a file, or under another name of it.
 namespace {
 
-const Words kNoDisplay{"DISPLAY", "WAYLAND_DISPLAY"};
-
-Words words(const std::string& file,
-            const std::string& participant = "P1",
-            const std::string& speed = "0") {
-    return run_words("shape_friction_demo", participant, file,
-                     {"--headless", "--speed", speed, "--secret", kRunSecret});
-}
-
 /// A session, slowed down, up to its third trial, before which stands `said`.
 std::unique_ptr<Process> run_to_third(const std::string& file,
                                       const std::string& participant = "P1",
                                       const std::string& said = "\n#2 ") {
     auto running =
-        std::make_unique<Process>(command_of(words(file, participant, "10")), kNoDisplay);
+        std::make_unique<Process>(command_of(demo_words(file, participant, "10")), kNoDisplay);
     REQUIRE(running->says(said));
     return running;
 }
@@ -56,7 +47,7 @@ std::string answers(const std::string& file) {
 TEST_CASE("a file deleted in the midst of a trial is there again, and the same command goes on") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran(words(file));
+    ran(demo_words(file));
     const auto running = run_to_third(file, "P2", "\n#12 ");
     await_log(file);
     std::filesystem::remove(file);
@@ -65,7 +56,7 @@ TEST_CASE("a file deleted in the midst of a trial is there again, and the same c
     check_clean(file);
     const int before = std::stoi(answers(file));
     CHECK(before >= 12);
-    CHECK_THAT(ran(words(file, "P2")).out, Has("Resuming at ", "Finished."));
+    CHECK_THAT(ran(demo_words(file, "P2")).out, Has("Resuming at ", "Finished."));
     CHECK(answers(file) == "20\n");
     check_clean(file);
 }
@@ -74,13 +65,13 @@ TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string copy = folder.file("copy.sqlite");
-    ran(words(file));
+    ran(demo_words(file));
     std::filesystem::copy_file(file, copy);
     killed_at_third(file, "P2", "\n#12 ");
     const std::string log = slurp(file + "-wal");
     std::filesystem::copy_file(copy, file, std::filesystem::copy_options::overwrite_existing);
     for (const auto& second :
-         {words(file, "P2"), {"status", file}, {"summary", file}, {"verify", file}}) {
+         {demo_words(file, "P2"), {"status", file}, {"summary", file}, {"verify", file}}) {
         check_end(palpate_command(second), 1,
                   Has("d.sqlite-wal, goes with another state of it", "d.sqlite-shm away"));
     }
@@ -89,7 +80,7 @@ TEST_CASE("a copy put in the place of a file whose log a crash left is not mixed
     std::filesystem::remove(file + "-wal");
     std::filesystem::remove(file + "-shm");
     check_clean(file);
-    ran(words(file, "P2"));
+    ran(demo_words(file, "P2"));
     CHECK(answers(file) == "20\n");
 }
 
@@ -100,10 +91,10 @@ TEST_CASE("a file of two names is written under none of them, and no answer is l
     killed_at_third(file);
     std::filesystem::create_hard_link(file, second);
     for (const std::string& name : {file, second}) {
-        check_end(palpate_command(words(name)), 1, Has("has 2 names (hard links)"));
+        check_end(palpate_command(demo_words(name)), 1, Has("has 2 names (hard links)"));
     }
     std::filesystem::remove(second);
-    ran(words(file));
+    ran(demo_words(file));
     CHECK(answers(file) == "10\n");
     check_clean(file);
 }
@@ -123,15 +114,15 @@ TEST_CASE("nothing begins beside what was rescued or where a link leads nowhere"
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::filesystem::create_symlink("nowhere/x", file);
-    check_end(palpate_command(words(file)), 2, Has("a link to nowhere/x, which is not there"));
+    check_end(palpate_command(demo_words(file)), 2, Has("a link to nowhere/x, which is not there"));
     std::filesystem::remove(file);
     write(file + ".rescued", "");
-    check_end(palpate_command(words(file)), 2, Has("d.sqlite.rescued beside it is what was"));
+    check_end(palpate_command(demo_words(file)), 2, Has("d.sqlite.rescued beside it is what was"));
     CHECK(folder.names() == Words{"d.sqlite.rescued"});
     std::filesystem::remove(file + ".rescued");
     write(file, "");
     check_end(palpate_command({"verify", file}), 2, Has("nothing is in it", "killed"));
-    ran(words(file));
+    ran(demo_words(file));
 }
 
 TEST_CASE("no new file begins beside the log of one that was moved away, and that log stays") {
@@ -144,7 +135,7 @@ TEST_CASE("no new file begins beside the log of one that was moved away, and tha
     const std::string log = slurp(file + "-wal");
     REQUIRE_FALSE(log.empty());
     for (const Words& begins :
-         {words(file), Words{"verify", file}, Words{"participant", file, "P1", "--new"},
+         {demo_words(file), Words{"verify", file}, Words{"participant", file, "P1", "--new"},
           Words{"merge", file, moved},
           Words{"simulate", "shape_friction_demo", "--participants", "1", "--db", file}}) {
         for (const bool empty : {false, true}) {
@@ -163,14 +154,14 @@ TEST_CASE("no new file begins beside the log of one that was moved away, and tha
     }
     std::filesystem::remove(file);
     std::filesystem::rename(moved, file);
-    ran(words(file));
+    ran(demo_words(file));
     ran({"verify", file});
 }
 
 TEST_CASE("what a crash left is exported, with the log beside it") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran(words(file));
+    ran(demo_words(file));
     killed_at_third(file, "P2", "\n#12 ");
     ran({"export", file, "--kind", "all", "-o", folder.file("shared")});
     ran({"report", file, "--kind", "simulated", "-o", folder.file("report.html")});
@@ -183,7 +174,7 @@ TEST_CASE("rows deleted by hand are said in a sentence where new ones take their
     sql_edit(file,
              "PRAGMA foreign_keys = OFF; DELETE FROM trial WHERE trial_id = (SELECT max(trial_id) "
              "FROM trial)");
-    const Finished end = palpate_command(words(file));
+    const Finished end = palpate_command(demo_words(file));
     CHECK_THAT(end.error, Has("rows were changed or deleted by hand", "palpate verify"));
     CHECK_THAT(end.error, !Has("INSERT"));
 }
@@ -193,7 +184,7 @@ TEST_CASE("where too few files may be open nobody is said to have written over o
     for (const char* files : {"10", "11", "12", "13"}) {
         const TemporaryFolder folder;
         const Finished end = Process(joined({"sh", "-c", "ulimit -n $0; exec \"$@\"", files},
-                                            command_of(words(folder.file("d.sqlite")))),
+                                            command_of(demo_words(folder.file("d.sqlite")))),
                                      kNoDisplay)
                                  .wait();
         CHECK_THAT(end.error, !Has("something wrote over it"));

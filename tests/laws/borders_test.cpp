@@ -90,11 +90,7 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     {
         data::Database database(db, data::Access::write);
         database.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON");
-        for (const char* change :
-             {"UPDATE event SET text = ?1", "UPDATE session SET device = ?1, operator = ?1",
-              "UPDATE session SET uuid = ?1", "UPDATE participant_detail SET value = ?1",
-              "UPDATE study SET study_id = ?1", "UPDATE session SET study_id = ?1",
-              "UPDATE participant SET participant_code = ?1", "UPDATE plan SET phase = ?1"}) {
+        for (const std::string& change : lines_in(test_text("edits/orders.sql"))) {
             try {
                 auto row = database.first(change, kOrders);
             } catch (const data::StoreError&) {  // a trigger or another table holds on to it

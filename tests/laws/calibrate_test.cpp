@@ -7,9 +7,7 @@ namespace {
 
 /// `palpate calibrate` with the words, somebody at the keyboard who presses Enter so many times.
 Finished calibrate(const std::string& words, int enters = 100) {
-    const std::string command = "yes '' | head -n " + std::to_string(enters) + " | '" +
-                                palpate_program() + "' calibrate " + words;
-    return Process({"sh", "-c", command}).wait();
+    return shell(fmt::format("yes '' | head -n {} | \"$0\" calibrate {}", enters, words));
 }
 
 /// The simulated encoders' hidden error, rad.

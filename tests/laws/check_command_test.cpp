@@ -146,14 +146,9 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep")
     ran({"check", file});
     // Also where the design says no more than what it would be anyway.
     replace(file, "[design]\n", "[design]\nrepetitions = 10\ncatch_trials = 4\n");
-    const std::string text = slurp(file);
-    const auto line =
-        std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("[design]")),
-                   '\n') +
-        1;
     const Finished check = ran({"check", file}, 2);
-    CHECK_THAT(check.error, Has("p.toml:" + std::to_string(line) +
-                                    ":2: [design] says repetitions, catch_trials, and the rule of "
+    CHECK_THAT(check.error, Has(place_of(slurp(file), "design]\nrepetitions") +
+                                    "[design] says repetitions, catch_trials, and the rule of "
                                     "[procedure] in line ",
                                 "keep [procedure]", "or keep [design]"));
     CHECK(std::count(check.error.begin(), check.error.end(), '\n') == 1);
@@ -171,8 +166,7 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
     const auto others = [&] {  // what is said of plan and friction is not looked at here
         write(file, to_toml(protocol));
         std::string all;
-        std::istringstream said(ran({"check", file}).out);
-        for (std::string sentence; std::getline(said, sentence);) {
+        for (const std::string& sentence : lines_in(ran({"check", file}).out)) {
             const bool ours = sentence.find("instructions.") != std::string::npos ||
                               sentence.find("font lacks") != std::string::npos ||
                               sentence.find("full scale") != std::string::npos;

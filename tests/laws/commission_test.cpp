@@ -49,8 +49,7 @@ TEST_CASE(
         const Words words =
             run_words(study_of_rig(folder), "P1", folder.file("d.sqlite"), {"--device", device});
         const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
-        return ended(Process(command_of(joined(words, with)), {"SDL_VIDEODRIVER=dummy"}).wait(), 2)
-            .error;
+        return ended(unseen(joined(words, with)), 2).error;
     };
     const std::string rig = commissioned_rig(folder, "haply:/dev/one");
     CHECK_THAT(run("haply:/dev/one", ""),
@@ -81,10 +80,7 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
                            ? Words{study}
                            : Words{"--protocol", study, "--seconds", "0.05", "--json"};
         const Words with = calibration.empty() ? Words{} : Words{"--calibration", calibration};
-        return Process(
-                   joined({palpate_program(), command, "--device", board.word()}, joined(with, of)),
-                   {"SDL_VIDEODRIVER=dummy"})
-            .wait();
+        return unseen(joined({command, "--device", board.word()}, joined(with, of)));
     };
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder.path());
@@ -109,12 +105,8 @@ TEST_CASE("of a record of another device nothing is believed, and the command th
         const std::string words =
             "commission " + behind(check.out, "palpate commission ", end) + end;
         TypedTo named(folder, calibration.empty() ? "none" : "another", words);
-        CHECK(eventually([&] {
-            return named.program().out().find("Type yes:") != std::string::npos ||
-                   !named.program().running();
-        }));
         CAPTURE(words);
-        CHECK(named.program().running());
+        CHECK(named.says("Type yes:"));
         named.program().signal(SIGTERM);
         static_cast<void>(named.program().wait());
     }
@@ -294,11 +286,7 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     CHECK(count_of(program.program().out(), "Type yes:") == questions);
 
     // A board that is opened anew where the handle stands takes that for home, and not unseen.
-    CHECK(eventually([&] {
-        return count_of(program.program().out(), "Bring the handle to") == 1 ||
-               !program.program().running();
-    }));
-    if (!program.program().running()) {
+    if (!program.says("Bring the handle to")) {
         return;  // a busy machine
     }
     board.bring(last_place(program.program().out()));

@@ -3,7 +3,7 @@
 #include "tests/support/sql_first.hpp"
 
 // Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
-// feels a force, at the opening, after a replug and in breaks.
+// feels a force, at the opening, after a replug and in breaks, and who may be run.
 
 TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
@@ -122,20 +122,15 @@ TEST_CASE("an opening that lost home says so, and blames no motor and no operato
     const TemporaryFolder folder;
     FreeBoard board(folder);
     const std::string rig = commissioned_rig(folder, board.word());
-    const auto asks = [](TypedTo& run, const std::string& what) {
-        CHECK(eventually(
-            [&] { return count_of(run.program().out(), what) > 0 || !run.program().running(); }));
-    };
     /// @param brings  the operator does what is asked   @param stalls  the board, during a pulse
     const auto opened = [&](bool brings, bool stalls) {
         static int number = 0;
         board.bring("0,89.3");
         TypedTo run(folder, fmt::format("opening{}", ++number), real_words(folder, board, rig),
                     {"SDL_VIDEODRIVER=dummy"});
-        asks(run, "Type yes:");
+        static_cast<void>(run.says("Type yes:"));
         run.type("yes");
-        asks(run, "Bring the handle to");
-        if (brings && run.program().running()) {
+        if (run.says("Bring the handle to") && brings) {
             board.bring(last_place(run.program().out()));
         }
         run.type("");
@@ -144,7 +139,7 @@ TEST_CASE("an opening that lost home says so, and blames no motor and no operato
             board.signal(SIGSTOP);
             pause(0.15);
             board.signal(SIGCONT);
-            asks(run, "If it ends early");  // it stalled between pulses
+            static_cast<void>(run.says("If it ends early"));  // it stalled between pulses
             run.program().signal(SIGINT);
         }
         return run.program().wait().error;
@@ -281,4 +276,49 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     ran({"participant", file, "P1", "--consent", "yes"});
     CHECK_THAT(run("asked").error,
                !Has("not consenting") && Has(folder.file("none")));  // the device is next
+}
+
+TEST_CASE("what is noted or run while the rig's questions wait is asked for as the session begins",
+          "[haply]") {
+    // Before the rig's questions, which wait without limit, and again as the session begins.
+    EACH(one, from_range(test_rows("meanwhile.tsv")));
+    const std::string& before = one.at(1);
+    const std::string& does = one.at(2);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    FreeBoard board(folder);
+    const std::string words = real_words(folder, board, commissioned_rig(folder, board.word()));
+    const std::string study = slurp(folder.file("p.toml"));
+    write(folder.file("p.toml"),
+          replaced(study, "participants = 1", "participants = 1\nhandedness = \"right\""));
+    Finished end;
+    for (int tries = 0; tries < 8 && (tries == 0 || starved(end.error)); ++tries) {
+        for (const char* more : {"", "-wal", "-shm"}) {
+            std::filesystem::remove(file + more);
+        }
+        if (does.empty()) {
+            write(folder.file("other.toml"),
+                  replaced(study, "stiffness_n_per_m = 200", "stiffness_n_per_m = 250"));
+            ran({"simulate", folder.file("other.toml"), "--participants", "1", "--db", file});
+        }
+        if (!before.empty()) {
+            ran(joined({"participant"}, words_of(file, before)));
+        }
+        board.bring("0,89.3");
+        TypedTo run(folder, fmt::format("run{}", tries), words, {"SDL_VIDEODRIVER=dummy"});
+        REQUIRE(run.program().says("Type yes:"));
+        if (does.empty()) {
+            sql_edit(file, "UPDATE session SET session_kind = 'real'");
+        } else {
+            ran(joined({"participant"}, words_of(file, does)));
+        }
+        operate(run, board, "If it ends early");
+        run.program().signal(SIGTERM);
+        end = run.program().wait();
+    }
+    CAPTURE(end.out);
+    check_end(end, 2, Has(one.at(3)));
+    CHECK(sql_first(file,
+                    "SELECT count(*) FROM session JOIN participant USING (participant_id) WHERE "
+                    "participant_code = 'P1'") == "0");
 }

@@ -4,8 +4,7 @@
 namespace {
 
 std::string address_in(const std::string& out) {
-    const std::size_t at = out.find("http://");
-    return out.substr(at, out.find('\n', at) - at);
+    return "http://" + behind(out, "http://");
 }
 
 }  // namespace
@@ -17,7 +16,7 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     ShownSession session;
     const Console console(session);
     DevTools page(address_in(console.program.out()));
-    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    REQUIRE(page.is("participant", "P1"));
     CHECK(page.value("location.href") == "http://" + console.browser->host + "/");
     CHECK(page.text("kind") == "SIMULATED");
     CHECK(eventually([&] {
@@ -35,17 +34,16 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     page.press("pause");
     REQUIRE(session.comes_to("pause"));
     CHECK(session.keeps(events_of("pause"), "1"));
-    CHECK(eventually([&] { return page.text("pause-word") == "Go on"; }));
+    CHECK(page.is("pause-word", "Go on"));
     page.press("note");
     page.type("they hum \u2014 twice");
     page.press("note-send");
     CHECK(
         session.keeps("SELECT text FROM event WHERE event_kind = 'note'", "they hum \u2014 twice"));
-    CHECK(eventually(
-        [&] { return page.text("notes").find("they hum \u2014 twice") != std::string::npos; }));
+    CHECK(page.shows("notes", "they hum \u2014 twice"));
     page.press("pause");
     CHECK(session.keeps(events_of("go on"), "1"));
-    CHECK(eventually([&] { return page.text("pause-word") == "Pause"; }));
+    CHECK(page.is("pause-word", "Pause"));
     REQUIRE(eventually([&] { return page.text("sentence").find("exploring") == 0; }));
     page.press("mark");
     REQUIRE(
@@ -58,8 +56,7 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
                      "one.name.startsWith(location.origin))") == "true");
 
     session.program.signal(SIGKILL);
-    CHECK(eventually(
-        [&] { return page.text("alerts").find("The session is gone.") != std::string::npos; }));
+    CHECK(page.shows("alerts", "The session is gone."));
     CHECK(page.value("document.getElementById('pause').getAttribute('aria-disabled')") == "true");
 }
 
@@ -73,8 +70,7 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
     const std::string address = address_in(session.program.out());
     DevTools one(address);
     DevTools other(address);
-    REQUIRE(eventually(
-        [&] { return one.text("participant") == "P1" && other.text("participant") == "P1"; }));
+    REQUIRE((one.is("participant", "P1") && other.is("participant", "P1")));
     const std::string covers = "document.getElementById('shown').hidden";
     one.press("reveal");
     REQUIRE(eventually([&] { return one.value("document.getElementById('ask').open") == "true"; }));
@@ -87,7 +83,7 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
     other.press("pause");
     REQUIRE(session.comes_to("pause"));
     for (DevTools* page : {&one, &other}) {
-        CHECK(eventually([&] { return page->text("pause-word") == "Go on"; }));
+        CHECK(page->is("pause-word", "Go on"));
         CHECK(page->text("alerts").empty());
     }
     CHECK(one.value(covers) == "false");
@@ -96,8 +92,7 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
     REQUIRE(server > 0);
     CHECK(session.program.ended_by(SIGTERM) == 3);
     for (DevTools* page : {&one, &other}) {
-        CHECK(
-            eventually([&] { return page->text("link").find("page rests") != std::string::npos; }));
+        CHECK(page->shows("link", "page rests"));
     }
     CHECK(eventually([&] { return has_ended(server); }));
 }
@@ -118,7 +113,7 @@ TEST_CASE("a page behind another knows the state, one that hears nothing switche
         page.run("(Object.defineProperty(document, 'hidden', {value: " + hidden +
                  ", configurable: true}), document.dispatchEvent(new Event('visibilitychange')))");
     };
-    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    REQUIRE(page.is("participant", "P1"));
     hide("true");
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
     CHECK(titled("pause"));
@@ -134,14 +129,14 @@ TEST_CASE("a page behind another knows the state, one that hears nothing switche
     page.press("stop");
     console.program.signal(SIGCONT);
     CHECK(session.keeps(events_of("stop"), "1"));
-    CHECK(eventually([&] { return page.text("alerts").empty(); }));
+    CHECK(page.is("alerts", ""));
 
     page.run("location.reload()");
-    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    REQUIRE(page.is("participant", "P1"));
     CHECK(session.program.ended_by(SIGTERM) == 3);
     page.run("location.reload()");
-    CHECK(eventually([&] { return page.text("alerts").find("ended early") != std::string::npos; }));
-    CHECK(eventually([&] { return page.text("link").find("page rests") != std::string::npos; }));
+    CHECK(page.shows("alerts", "ended early"));
+    CHECK(page.shows("link", "page rests"));
     page.press("note");
     page.type("too late");
     page.run("document.getElementById('note-form').requestSubmit()");

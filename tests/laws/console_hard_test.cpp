@@ -114,7 +114,7 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
         REQUIRE_THAT(answer, !Has("\"ok\":true"));
     }
     CHECK(session.kept(kNotes) == "0");
-    CHECK_THAT(browser.act(kNote, browser.cookie + browser.origin()), Has("\"ok\":true"));
+    CHECK_THAT(browser.act(kNote), Has("\"ok\":true"));
     CHECK(session.kept(kNotes) == "1");
     CHECK(session.program.ended_by(SIGTERM) == 3);
 }
@@ -243,7 +243,7 @@ TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and no
     CHECK_THAT(stream->hear_until("concave, friction on\"]"), Has("\"on\":null"));
     const auto ask = [&](const std::string& what) {
         stream->forget();
-        return browser.act(what, browser.cookie + browser.origin());
+        return browser.act(what);
     };
     CHECK_THAT(ask(R"({"do":"feel","at":4})"), Has("\"ok\":false"));
     const auto ticks = [&] {

@@ -1,5 +1,4 @@
 #include "tests/support/console.hpp"
-#include "tests/support/stranger.hpp"
 
 // Several pages of one session, servers that die or stand still, and another user of the machine.
 // Nothing is asserted about time.
@@ -8,13 +7,8 @@ namespace {
 
 const std::string kNoted = R"({"do":"note","text":"once"})";
 
-std::string act(const Browser& browser, const std::string& what) {
-    return browser.act(what, browser.cookie + browser.origin());
-}
-
 std::string word_in(const std::string& answer) {
-    const std::size_t at = answer.find("\"word\":\"");
-    return at == std::string::npos ? "" : answer.substr(at + 8, 4);
+    return behind(answer, "\"word\":\"", "\"");
 }
 
 /// Whether a file that may be read has the text.
@@ -38,8 +32,8 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
     const auto blind = other.stream();
     const auto both = [&](const std::string& first, const std::string& second) {
         std::array<std::string, 2> said;
-        std::thread beside([&] { said[1] = act(*other.browser, second); });
-        said[0] = act(*one.browser, first);
+        std::thread beside([&] { said[1] = other.browser->act(second); });
+        said[0] = one.browser->act(first);
         beside.join();
         return said;
     };
@@ -62,8 +56,8 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
     CHECK(session.keeps("SELECT count(*) FROM trial WHERE invalid_reason LIKE '%: a sneeze'", "1"));
     CHECK(session.kept(events_of("mark")) == "1");
 
-    const std::string word = word_in(act(*one.browser, R"({"do":"reveal"})"));
-    CHECK_THAT(act(*one.browser, R"({"do":"reveal","word":")" + word + "\"}"), Has("\"ok\":true"));
+    const std::string word = word_in(one.browser->act(R"({"do":"reveal"})"));
+    CHECK_THAT(one.browser->act(R"({"do":"reveal","word":")" + word + "\"}"), Has("\"ok\":true"));
     CHECK_THAT(one.stream("?shown=1")->hear_until("\"hidden\":"), Has("\"reveal\":\"shown\""));
     CHECK(eventually([&] {
         return one.stream("?shown=1")->hear_until("\"hip\":", 1).find("\"hip\":") !=
@@ -72,7 +66,7 @@ TEST_CASE("what two pages ask for at once is done once, and what one shows the o
     const std::string heard = blind->hear_until("\"reveal\":\"shown\"", 2);
     CHECK_THAT(heard, Has("\"reveal\":\"ask\"") && Has("event: live"));
     CHECK_THAT(heard, HasNone("hidden", "convex", "concave", "correct", "\"hip\"", "strips"));
-    const std::string again = act(*other.browser, R"({"do":"reveal"})");
+    const std::string again = other.browser->act(R"({"do":"reveal"})");
     CHECK_THAT(again, Has("\"ok\":true"));
     CHECK(word_in(again).empty());
     CHECK(session.kept(events_of("reveal")) == "1");
@@ -144,12 +138,12 @@ TEST_CASE("a page of a session that is over asks nothing of the next one on its 
                   "--speed", "2"});
     REQUIRE(eventually([&] { return !ui::running_sessions(session.file).empty(); }));
     for (const std::string& what : {kNoted, std::string(R"({"do":"stop"})")}) {
-        CHECK_THAT(act(*before.browser, what), Has("is gone: nothing was done"));
+        CHECK_THAT(before.browser->act(what), Has("is gone: nothing was done"));
     }
     const Console after(session);
     CHECK_THAT(after.browser->get("/", before.browser->cookie), StartsWith("HTTP/1.1 403"));
     after.browser->trade();
-    CHECK_THAT(act(*after.browser, kNoted), Has("\"ok\":true"));
+    CHECK_THAT(after.browser->act(kNoted), Has("\"ok\":true"));
     CHECK(next.ended_by(SIGTERM) == 3);
     CHECK(session.kept(events_of("note")) == "1");
     CHECK(session.kept(events_of("stop")) == "0");
@@ -170,7 +164,7 @@ TEST_CASE("a server that stood still does nothing late but switch the force off,
     }
     kill(console, SIGCONT);
     CHECK(session.keeps(events_of("stop"), "1"));
-    CHECK_THAT(act(browser, kNoted), Has("\"ok\":true"));
+    CHECK_THAT(browser.act(kNoted), Has("\"ok\":true"));
     kill(console, SIGSTOP);
     CHECK(session.program.ended_by(SIGTERM) == 3);
     CHECK(session.kept(events_of("note")) == "1");
@@ -215,6 +209,6 @@ TEST_CASE("another user of the machine finds neither the page's token nor anothe
                refused(browser.act(kNoted, guess + "\r\n" + browser.origin()));
     }));
     CHECK(session.kept(events_of("note")) == "0");
-    CHECK_THAT(act(browser, kNoted), Has("\"ok\":true"));
+    CHECK_THAT(browser.act(kNoted), Has("\"ok\":true"));
     CHECK(session.program.ended_by(SIGTERM) == 3);
 }

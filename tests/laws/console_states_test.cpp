@@ -2,10 +2,10 @@
 
 #include "ui/console/page_server.hpp"
 #include "ui/rig/json_line.hpp"
-#include "tests/support/browser.hpp"
 #include "tests/support/dev_tools.hpp"
 
-// The experimenter's page as it lies in its files, told of every state that a session can be in.
+// The experimenter's page as it lies in its files: what it is made of, and told of every state that
+// a session can be in.
 
 using data::Json;
 
@@ -23,6 +23,14 @@ const std::string kUnreadable = test_text("scripts/unreadable.js");
 
 std::string page_file(const std::string& name) {
     return slurp(PALPATE_SOURCE_DIR "/ui/console/page/console." + name);
+}
+
+/// What stands between `open` and `close`, everywhere in a text.
+std::set<std::string> all_after(const std::string& text,
+                                const std::string& open,
+                                const std::string& close) {
+    const Words all = between(text, open, close);
+    return {all.begin(), all.end()};
 }
 
 /// The newest of what is told, once for each page.
@@ -88,4 +96,37 @@ TEST_CASE("in every state the page says what is, bars what cannot be asked, and 
             }
         }
     }
+}
+
+TEST_CASE("the experimenter's page is of its own origin alone, and its script finds what it fills",
+          "[console]") {
+    const std::string html = page_file("html");
+    const std::string script = page_file("js");
+    const std::string style = page_file("css");
+    for (const std::string& text : {html, script, style}) {
+        REQUIRE_FALSE(text.empty());
+        CHECK_THAT(text, HasNone("http:", "https:", "//www", "@import", "url(", "data:"));
+    }
+    CHECK_THAT(html, HasNone("<script>", "<style", " style=", " onclick", " onload"));
+    for (const char* of_text : {"innerHTML", "outerHTML", "insertAdjacentHTML", "document.write",
+                                "eval("}) {  // names and notes are text, never markup
+        CAPTURE(of_text);
+        CHECK_THAT(script, !Has(of_text));
+    }
+    const std::set<std::string> ids = all_after(html, " id=\"", "\"");
+    const std::set<std::string> used = all_after(script, "$('", "'");
+    CHECK(used.size() > 40);
+    for (const std::string& id : used) {
+        CAPTURE(id);
+        CHECK(ids.contains(id));
+    }
+    for (const char* of : {" for=\"", " aria-labelledby=\""}) {
+        for (const std::string& id : all_after(html, of, "\"")) {
+            CAPTURE(id);
+            CHECK(ids.contains(id));
+        }
+    }
+    // Only what is in the contract is asked for.
+    CHECK(all_after(script, "{ do: '", "'") ==
+          std::set<std::string>{"end", "mark", "note", "reveal", "stop"});
 }

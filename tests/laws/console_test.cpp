@@ -56,15 +56,14 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     refused(browser.ask("POST /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + cookie +
                             browser.origin() + "Content-Type: text/plain\r\nContent-Length: 14\r\n",
                         kPause));
-    CHECK_THAT(browser.act("[" + kPause + "]", cookie + browser.origin()), Has("\"ok\":false"));
+    CHECK_THAT(browser.act("[" + kPause + "]"), Has("\"ok\":false"));
     CHECK(session.kept(kPauses) == "0");
 
-    CHECK_THAT(browser.act(kPause, cookie + browser.origin()), Has("\"ok\":true"));
+    CHECK_THAT(browser.act(kPause), Has("\"ok\":true"));
     CHECK(session.comes_to("pause"));
-    CHECK_THAT(browser.act(R"({"do":"go on"})", cookie + browser.origin()),
-               Has("\"ok\":true"));  // from the pause
+    CHECK_THAT(browser.act(R"({"do":"go on"})"), Has("\"ok\":true"));  // from the pause
     CHECK(session.keeps(kPauses, "1"));
-    CHECK_THAT(browser.act(R"({"do":"stop"})", cookie + browser.origin()), Has("\"ok\":true"));
+    CHECK_THAT(browser.act(R"({"do":"stop"})"), Has("\"ok\":true"));
     CHECK(
         session.keeps("SELECT value FROM event WHERE event_kind = 'stop'", "experimenter's page"));
     CHECK(session.program.ended_by(SIGTERM) == 3);
@@ -146,13 +145,12 @@ TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answ
     const auto levels = [&](const std::string& phase) {
         const std::string heard = stream->hear_until("\"objects\":\"objects.svg\"}");
         Words all;
-        for (std::size_t at = heard.find("\\ntrial "); at != std::string::npos;
-             at = heard.find("\\ntrial ", at + 1)) {
-            const std::string line = heard.substr(at + 2, heard.find("\\n", at + 2) - at - 2);
-            const std::size_t mu = line.find(", mu ");
-            REQUIRE(mu != std::string::npos);
-            if (line.find("  " + phase) != std::string::npos) {
-                all.push_back(line.substr(mu + 5, line.find("  (", mu) - mu - 5));
+        for (const std::string& line : split(all_replaced(heard, "\\n", "\n"), '\n')) {
+            if (line.starts_with("trial ")) {
+                REQUIRE_THAT(line, Has(", mu "));
+                if (line.find("  " + phase) != std::string::npos) {
+                    all.push_back(behind(line, ", mu ", "  ("));
+                }
             }
         }
         return all;

@@ -81,7 +81,7 @@ TEST_CASE(
     };
     Process doctor({palpate_program(), "doctor", "--device", board.word(), "--seconds", "0.05",
                     "--db", folder.file("d.sqlite")},
-                   {"DISPLAY", "WAYLAND_DISPLAY"});
+                   kNoDisplay);
     while (doctor.running()) {
         look();
     }

@@ -1,6 +1,8 @@
 #include <cctype>
 #include <regex>
 
+#include "engine/base/sha256.hpp"
+#include "tests/support/mixed_study.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -13,6 +15,26 @@ Words lines_of(const fs::path& file) {
     return lines_in(slurp(file));
 }
 
+/// A line of a page, and the fence of the block that it stands in, "```sh"; empty outside of any.
+struct PageLine {
+    std::string text;
+    std::string fence;
+};
+
+std::vector<PageLine> page_lines(const fs::path& page) {
+    std::vector<PageLine> lines;
+    std::string fence;
+    for (const std::string& line : lines_of(page)) {
+        const std::size_t text = line.find_first_not_of(' ');
+        if (text != std::string::npos && line.compare(text, 3, "```") == 0) {
+            fence = fence.empty() ? line.substr(text) : "";
+        } else {
+            lines.push_back({line, fence});
+        }
+    }
+    return lines;
+}
+
 std::vector<fs::path> pages() {
     std::vector<fs::path> found{kRoot / "README.md", kRoot / "CHANGELOG.md"};
     for (const auto& entry : fs::directory_iterator(kRoot / "docs")) {
@@ -23,18 +45,11 @@ std::vector<fs::path> pages() {
     return found;
 }
 
-bool is_fence(const std::string& line) {
-    return line.find_first_not_of(' ') != std::string::npos &&
-           line.compare(line.find_first_not_of(' '), 3, "```") == 0;
-}
-
 /// A page's text without its fenced blocks, one line.
 std::string prose_of(const fs::path& page) {
     std::string text;
-    bool fenced = false;
-    for (const std::string& line : lines_of(page)) {
-        fenced = fenced != is_fence(line);
-        text += fenced || is_fence(line) ? "" : line + ' ';
+    for (const auto& [line, fence] : page_lines(page)) {
+        text += fence.empty() ? line + ' ' : "";
     }
     return text;
 }
@@ -42,13 +57,8 @@ std::string prose_of(const fs::path& page) {
 /// Lines of a page's fenced blocks of shell commands, without comments and prompts.
 Words shell_lines(const fs::path& page) {
     Words found;
-    bool fenced = false;
-    bool shell = false;
-    for (const std::string& line : lines_of(page)) {
-        if (is_fence(line)) {
-            fenced = !fenced;
-            shell = fenced && line == "```sh";
-        } else if (shell) {
+    for (const auto& [line, fence] : page_lines(page)) {
+        if (fence == "```sh") {
             found.push_back(line.substr(0, line.find(" #")));
         }
     }
@@ -58,11 +68,9 @@ Words shell_lines(const fs::path& page) {
 /// The anchors of a page's headings, as GitHub and GitLab make them.
 std::set<std::string> anchors_of(const fs::path& page) {
     std::set<std::string> found;
-    bool fenced = false;
-    for (const std::string& line : lines_of(page)) {
-        fenced = fenced != is_fence(line);
+    for (const auto& [line, fence] : page_lines(page)) {
         const std::size_t text = line.find_first_not_of('#');
-        if (fenced || text == 0 || text == std::string::npos || line[text] != ' ') {
+        if (!fence.empty() || text == 0 || text == std::string::npos || line[text] != ' ') {
             continue;
         }
         std::string anchor;
@@ -211,9 +219,7 @@ TEST_CASE(
             line += line.find(command) == std::string::npos ? "" : " --kind simulated";
         }
         CAPTURE(line);
-        ended(Process(
-                  {"sh", "-c", "cd '" + folder.path().string() + "' && RIG=--headless && " + line})
-                  .wait());
+        ended(shell("RIG=--headless && " + line, folder.path()));
     };
     int steps = 0;
     for (auto line = first; line != lines.end(); ++line) {
@@ -257,8 +263,7 @@ TEST_CASE("every query that a document shows in a shell answers") {
             queries += query ? 1 : 0;
             if (query && (!extension || others_load_extension())) {
                 CAPTURE(page, line);
-                const std::string there = "cd '" + folder.path().string() + "' && " + line;
-                CHECK(ended(Process({"sh", "-c", there}).wait()).error.empty());
+                CHECK(ended(shell(line, folder.path())).error.empty());
             }
         }
     }
@@ -266,13 +271,12 @@ TEST_CASE("every query that a document shows in a shell answers") {
 }
 
 TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names") {
-    const fs::path page = kRoot / "docs" / "protocol.md";
     std::string scene;
     std::string head;
-    bool fenced = false;
-    for (const std::string& line : lines_of(page)) {
-        fenced = is_fence(line) ? line == "```toml" && scene.empty() : fenced;
-        if (fenced && !is_fence(line) && (line == "[renderer]" || !scene.empty())) {
+    bool over = false;
+    for (const auto& [line, fence] : page_lines(kRoot / "docs" / "protocol.md")) {
+        over = over || (!scene.empty() && fence != "```toml");
+        if (!over && fence == "```toml" && (line == "[renderer]" || !scene.empty())) {
             scene += line + '\n';
         }
         if (line.rfind("./palpate render ", 0) == 0) {
@@ -337,4 +341,41 @@ TEST_CASE("docs/protocol.md has every key as the program reads it") {
             "PALPATE_WRITE_DOCS=1 ctest --test-dir build -R 'docs/protocol.md has every key'");
         CHECK((text == whole));
     }
+}
+
+TEST_CASE("the example queries of docs/data.md run as printed, and answer") {
+    const TemporaryFolder folder;
+    const std::string file = mixed_study(folder);  // with every kind of question
+    const Words queries = between(slurp(kRoot / "docs/data.md"), "\n```sql\n", "```");
+    CHECK(queries.size() >= 3);
+    for (const std::string& query : queries) {
+        CAPTURE(query);
+        const Finished answer = ended(Process({"sqlite3", file, query}).wait());
+        CHECK_FALSE(answer.out.empty());
+    }
+}
+
+TEST_CASE("docs/data.md names every table and view of the schema") {
+    const TemporaryFile file("d.sqlite");
+    ran({"demo", "--headless", "--db", file});
+    const Finished names =
+        Process({"sqlite3", file, "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
+            .wait();
+    const std::string text = slurp(kRoot / "docs/data.md");
+    for (const std::string& name : lines_in(names.out)) {
+        CAPTURE(name);
+        CHECK_THAT(text, Has("`" + name + "`"));
+    }
+}
+
+TEST_CASE("uPlot lies here as its package has it, with its licence") {
+    const std::string folder = (kRoot / "data/page/uplot/").string();
+    const std::string readme = slurp(folder + "README.md");
+    for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {
+        CAPTURE(name);
+        CHECK_THAT(readme,
+                   Has(fmt::format("| `{}` | {} |", name, sha256_hex(slurp(folder + name)))));
+    }
+    CHECK_THAT(slurp(folder + "uPlot.iife.min.js"), Has("(v1.6.32)"));
+    CHECK_THAT(slurp(folder + "LICENSE"), Has("The MIT License"));
 }

@@ -1,5 +1,5 @@
 #include "tests/support/program.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/scene_text.hpp"
 
 // An outline, and the same extruded along y: edges and corners of surfaces are felt as the plane's.
 
@@ -27,24 +27,23 @@ Corner mirrored_corner(const Corner& c) {
 }
 
 std::string in_plane(const Corner& c) {
-    std::string all;
-    for (std::size_t k = 0; k < 2; ++k) {
-        all += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}, {}]\nto_m = [{}, {}]\n",
-                           c[k].x, c[k].y, c[k + 1].x, c[k + 1].y);
-    }
-    return all;
+    return lines_text({c[0], c[1], c[2]});
 }
 
-std::string in_space(const Corner& c) {
-    std::string all;
-    for (std::size_t k = 0; k < 2; ++k) {
-        all += fmt::format(
-            "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, 1, "
-            "1]\npoints_m = [[[{0}, -0.04, {1}], [{0}, 0.04, {1}]], [[{2}, -0.04, {3}], [{2}, "
-            "0.04, {3}]]]\n",
-            c[k].x, c[k].y, c[k + 1].x, c[k + 1].y);
+/// A curve along y, so far to both sides.
+std::string extruded(const NurbsData<2>& curve, double half) {
+    SurfaceData sheet{
+        .degree_u = curve.degree, .knots_u = curve.knots, .knots_v = {0.0, 0.0, 1.0, 1.0}};
+    for (const engine::Vec2& p : curve.points) {
+        sheet.points.push_back({{p.x, -half, p.y}, {p.x, half, p.y}});
     }
-    return all;
+    for (const double weight : curve.weights) {
+        sheet.weights.push_back({weight, weight});
+    }
+    return surface_text(sheet);
+}
+std::string in_space(const Corner& c) {
+    return extruded(bezier_data({c[0], c[1]}), 0.04) + extruded(bezier_data({c[1], c[2]}), 0.04);
 }
 
 /// A hand's way in the plane, in its mirror, and in space, aside of the plane there.
@@ -131,38 +130,9 @@ EdgeWay edge_hand(Random& random) {
     return way;
 }
 
-/// A curve of degree 3 with two more points between its ends, and the same extruded.
-struct WavySide {
-    std::array<engine::Vec2, 6> points{};
-    std::array<double, 6> weights{};
-
-    [[nodiscard]] std::string in_plane() const {
-        Words p;
-        for (const engine::Vec2& q : points) {
-            p.push_back(fmt::format("[{}, {}]", q.x, q.y));
-        }
-        return fmt::format(
-            "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 2, 2.5, 2.5, 2.5, "
-            "2.5]\npoints_m = [{}]\nweights = [{}]\n",
-            fmt::join(p, ", "), fmt::join(weights, ", "));
-    }
-    [[nodiscard]] std::string in_space() const {
-        Words p;
-        Words w;
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            const engine::Vec2& q = points[k];
-            p.push_back(fmt::format("[[{0}, -0.2, {1}], [{0}, 0.2, {1}]]", q.x, q.y));
-            w.push_back(fmt::format("[{0}, {0}]", weights[k]));
-        }
-        return fmt::format(
-            "[[surface]]\ndegree_u = 3\ndegree_v = 1\nknots_u = [0, 0, 0, 0, 1, 2, 2.5, 2.5, 2.5, "
-            "2.5]\nknots_v = [0, 0, 1, 1]\npoints_m = [{}]\nweights = [{}]\n",
-            fmt::join(p, ", "), fmt::join(w, ", "));
-    }
-};
-
-/// A clockwise outline of three to five wavy sides around the origin, some 40 mm away.
-std::vector<WavySide> wavy(Random& random) {
+/// A clockwise outline of three to five wavy sides around the origin, some 40 mm away: curves of
+/// degree 3 with two more points between their ends.
+std::vector<NurbsData<2>> wavy(Random& random) {
     const auto n = static_cast<std::size_t>(3 + random.below(3));
     std::vector<engine::Vec2> corners;
     for (std::size_t k = 0; k < n; ++k) {
@@ -171,16 +141,16 @@ std::vector<WavySide> wavy(Random& random) {
         const double angle = -6.283185307179586 * turn;
         corners.push_back(random.in(0.025, 0.05) * engine::Vec2{std::cos(angle), std::sin(angle)});
     }
-    std::vector<WavySide> sides(n);
+    std::vector<NurbsData<2>> sides(n, {3, {0, 0, 0, 0, 1, 2, 2.5, 2.5, 2.5, 2.5}, {}, {}});
     for (std::size_t k = 0; k < n; ++k) {
         const engine::Vec2 from = corners[k];
         const engine::Vec2 along = corners[(k + 1) % n] - from;
         const engine::Vec2 aside{-along.y, along.x};
         for (std::size_t i = 0; i < 6; ++i) {
             const bool inner = i > 0 && i < 5;
-            sides[k].points[i] = from + (static_cast<double>(i) / 5.0) * along +
-                                 (inner ? random.in(-0.2, 0.3) : 0.0) * aside;
-            sides[k].weights[i] = random.decade(-0.7, 0.7);
+            sides[k].points.push_back(from + (static_cast<double>(i) / 5.0) * along +
+                                      (inner ? random.in(-0.2, 0.3) : 0.0) * aside);
+            sides[k].weights.push_back(random.decade(-0.7, 0.7));
         }
         sides[k].points[5] = corners[(k + 1) % n];
     }
@@ -222,14 +192,12 @@ TEST_CASE(
 
 TEST_CASE(
     "without friction a god-object goes to the first foot of its way in space as in the plane") {
-    const auto seed = GENERATE(seeds(12U));
-    CAPTURE(seed);
-    Random random(seed + 4200U);
+    SEEDED(random, 12U, 4200U);
     std::string plane_scene = "[friction]\nlaw = \"frictionless\"\n";
     std::string space_scene = plane_scene;
-    for (const WavySide& side : wavy(random)) {
-        plane_scene += side.in_plane();
-        space_scene += side.in_space();
+    for (const NurbsData<2>& side : wavy(random)) {
+        plane_scene += segment_text(side);
+        space_scene += extruded(side, 0.2);
     }
     // From outside to the middle, and then in leaps.
     EdgeWay way;
@@ -254,29 +222,19 @@ TEST_CASE(
 }
 
 TEST_CASE("the open end of a groove between two walls holds as that of its floor in the plane") {
-    const auto seed = GENERATE(seeds(8U));
-    Random random(seed + 4400U);
+    SEEDED(random, 8U, 4400U);
     const engine::Vec2 from{-0.04, random.in(-0.01, 0.01)};
     const engine::Vec2 to{0.04, random.in(-0.01, 0.01)};
     const double wall = random.in(0.4, 2.0);  // how steep both rise from the floor
     const std::string common =
         "[renderer]\nstiffness_n_per_m = 1000.0\n" + law_of(random, random.in(0.05, 1.0));
-    const std::string plane_scene =
-        common + fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}, {}]\nto_m = [{}, {}]\n",
-                             from.x, from.y, to.x, to.y);
     std::string space_scene = common;
-    for (const double side : {-0.05, 0.05}) {
+    for (const auto& [left, right] : {std::pair{-0.05, 0.0}, std::pair{0.0, 0.05}}) {
         const auto row = [&](const engine::Vec2& p) {
-            const std::string floor = fmt::format("[{}, 0.0, {}]", p.x, p.y);
-            const std::string top =
-                fmt::format("[{}, {}, {}]", p.x, side, p.y + wall * std::fabs(side));
-            return side < 0.0 ? fmt::format("[{}, {}]", top, floor)
-                              : fmt::format("[{}, {}]", floor, top);
+            return std::vector<engine::Vec3>{{p.x, left, p.y - wall * left},
+                                             {p.x, right, p.y + wall * right}};
         };
-        space_scene += fmt::format(
-            "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, 1, "
-            "1]\npoints_m = [{}, {}]\n",
-            row(from), row(to));
+        space_scene += plate_text(row(from), row(to));
     }
     // Presses, and out over one end and the other.
     EdgeWay way;
@@ -285,9 +243,9 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
         way.go(std::min(2.5 * t, 1.0) * 0.07 * std::sin(6.3 * t),
                k < 200 ? 0.03 - 2.5e-4 * k : -0.02 - 0.003 * std::sin(11.0 * t), 0.0);
     }
-    const Columns plane = edge_felt(plane_scene, way.plane);
+    const Columns plane = edge_felt(common + line_text(from, to), way.plane);
     const Columns space = edge_felt(space_scene, way.space);
-    CAPTURE(seed, from.y, to.y, wall, common);
+    CAPTURE(from.y, to.y, wall, common);
     REQUIRE(plane.at("t_s").size() == 2000);
     check_alike(plane, space, {"held"}, 0.0);
     check_alike(plane, space, {"fn_n", "ft_n", "fx_n", "up"}, 1e-9);
@@ -296,17 +254,16 @@ TEST_CASE("the open end of a groove between two walls holds as that of its floor
 }
 
 TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, and as its mirror") {
-    const auto seed = GENERATE(seeds(8U));
-    Random random(seed + 4300U);
+    SEEDED(random, 8U, 4300U);
     const double left = random.in(0.15, 0.5);
     const double right = random.in(0.15, 0.5);
     const double mu = random.in(0.3, 3.0);
     const auto scene_of = [mu](const Corner& c, double compliance) {
         return fmt::format(
-            "[renderer]\nstiffness_n_per_m = 1000.0\ncompliance_m_per_n = {}\n[friction]\nlaw = "
-            "\"coulomb\"\nmu_d = {}\n{}[[segment]]\nkind = \"nurbs\"\ndegree = 2\nknots = [0, 0, "
-            "0, 1, 1, 1]\npoints_m = [[{}, {}], [0.0, -0.12], [{}, {}]]\n",
-            compliance, mu, in_plane(c), c[2].x, c[2].y, c[0].x, c[0].y);
+                   "[renderer]\nstiffness_n_per_m = 1000.0\ncompliance_m_per_n = {}\n[friction]\n"
+                   "law = \"coulomb\"\nmu_d = {}\n",
+                   compliance, mu) +
+               in_plane(c) + segment_text(bezier_data({c[2], {0.0, -0.12}, c[0]}));
     };
     const Corner corner = corner_of(false, left, right, 0.0);
     EdgeWay way;
@@ -318,7 +275,7 @@ TEST_CASE("a groove that hardly yields is felt as a rigid one, however sharp, an
     }
     const Columns rigid = edge_felt(scene_of(corner, 0.0), way.plane);
     const Columns soft = edge_felt(scene_of(corner, 1e-7), way.plane);
-    CAPTURE(seed, left, right, mu);
+    CAPTURE(left, right, mu);
     REQUIRE(rigid.at("t_s").size() == 3000);
     check_alike(rigid, soft, {"fx_n", "up"}, 5e-3);
     for (const double compliance : {1e-7, 1e-5, 1e-3}) {  // also where a surface still moves

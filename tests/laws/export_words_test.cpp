@@ -61,24 +61,21 @@ TEST_CASE("the label of a study means one version for ever, and says which by it
     }
     // Two ids with the same letters and digits.
     write(folder.file("other.toml"), replaced(slurp(yes_no(folder)), "four_trials", "fourtrials"));
-    const std::string two = folder.file("two.sqlite");
-    ran(run_words(yes_no(folder), "P1", two, {"--headless"}));
-    ran(run_words(folder.file("other.toml"), "P1", two, {"--headless"}));
+    const std::string two = run_by({"P1"}, yes_no(folder), folder.file("two.sqlite"));
+    run_by({"P1"}, folder.file("other.toml"), two);
     ended(exported(two, "csv", folder.file("two")));
     CHECK_THAT(slurp(folder.file("two/sessions.csv")), !Has(",fourtrials,1,"));
 }
 
 TEST_CASE("R reads conditions that are called by numbers as a quickpsy export has them") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    ran(run_words(yes_no(folder), "P1", file, {"--headless"}));
+    const std::string file = run_by({"P1"}, yes_no(folder), folder.file("a.sqlite"));
     ended(exported(file, "quickpsy", folder.file("q")));
     const std::string readme = slurp(folder.file("q/README.txt"));
     write(folder.file("q/read.R"), "d <- " + behind(readme, "d <- ", "quickpsy::") +
                                        "cat(unique(d$condition), class(d$x), class(d$k))\n");
     if (has_r()) {
-        const Finished r =
-            Process({"sh", "-c", "cd '" + folder.file("q") + "' && Rscript read.R"}).wait();
+        const Finished r = shell("Rscript read.R", folder.file("q"));
         CAPTURE(r.error);
         CHECK(r.out == "01 1 integer integer");
     }

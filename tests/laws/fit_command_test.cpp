@@ -174,9 +174,8 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
 
 TEST_CASE("a table is fitted, and tested, from a pipe too") {
     const auto piped = [](const std::string& table, const std::string& words) {
-        const std::string line =
-            "printf '" + table + "' | '" + palpate_program() + "' " + words + " --json";
-        return Json::parse(ended(Process({"sh", "-c", line}).wait()).out);
+        return Json::parse(
+            ended(shell("printf '" + table + "' | \"$0\" " + words + " --json")).out);
     };
     CHECK(piped("stimulus,n,k\\n1,10,2\\n2,10,8\\n",
                 "fit /dev/stdin --bootstrap 0")["curves"][0]["answers"] == 20);
@@ -189,10 +188,7 @@ TEST_CASE("a table is fitted, and tested, from a pipe too") {
 TEST_CASE("palpate fit of a database fits the same answers as that of their counts") {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), adaptive_text(kQuestPlusRule));
-    const std::string file = folder.file("a.sqlite");
-    for (const char* person : {"P1", "P2"}) {
-        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
-    }
+    const std::string file = run_by({"P1", "P2"}, folder.file("p.toml"), folder.file("a.sqlite"));
     not_fitted({file}, "has no answer to fit in real sessions: --kind chooses others");
     const std::string counts = sql_csv(
         file,
@@ -255,10 +251,7 @@ TEST_CASE(
     "palpate fit of identifications parts how well from how named, of a database as of its "
     "trials") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    for (const char* person : {"P1", "P2"}) {
-        ran(run_words("shape_friction_demo", person, file, {"--device", "sim"}));
-    }
+    const std::string file = run_by({"P1", "P2"}, "shape_friction_demo", folder.file("a.sqlite"));
     const Json ours = fitted({file, "--kind", "simulated", "--keep-codes"});
     REQUIRE(ours["people"].size() == 2);
     REQUIRE(ours["items"].size() == 5);

@@ -1,4 +1,6 @@
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
+#include "tests/support/sql_first.hpp"
 
 namespace {
 
@@ -18,19 +20,23 @@ std::string protocol_of(std::size_t from, std::size_t to) {
 }
 
 std::string scene_of(const Words& law, bool convex) {
-    const int curvature = convex ? 8 : -8;
     return fmt::format(
-        "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\n{}vertex_slew_m_per_s = "
-        "0.2\nvertex_radius_m = 0.003\n"
-        "[[segment]]\nkind = \"arc\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, 0.04]\ncurvature_per_m = "
-        "{}\n"
-        "[[segment]]\nkind = \"arc\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, 0.0]\ncurvature_per_m = "
-        "{}\n"
-        "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n",
-        law[0], law[1], curvature, curvature);
+               "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\n{}"
+               "vertex_slew_m_per_s = 0.2\nvertex_radius_m = 0.003\n",
+               law[0], law[1]) +
+           two_arcs_text(convex ? 8.0 : -8.0);
 }
 
 using Rows = std::vector<Words>;
+
+/// Of a soft object and a hard one.
+std::string soft_study() {
+    return replaced(kStudy, "curvature_per_m = 8\n",
+                    "curvature_per_m = 8\ncompliance_mm_per_n = 3\n") +
+           "[apparatus]\nrate_hz = 1000\nvertex_slew_mm_per_s = 0\n"
+           "[[friction]]\nname = \"off\"\nlaw = \"frictionless\"\n"
+           "[[friction]]\nname = \"gos\"\nlaw = \"gos\"\nmu_s = 0.7\nmu_d = 0.5\n";
+}
 
 }  // namespace
 
@@ -80,9 +86,8 @@ TEST_CASE("snags lie by the length of an edge, whatever its knots and weights") 
     }
     const auto catches = [&](const std::string& segment) {
         const std::string scene =
-            "[friction]\nlaw = \"snags\"\nmu_s = 0.11\nmu_d = 0.1\nsnag_spacing_m = 0.01\nlaw_seed "
-            "= "
-            "5\n[[segment]]\n" +
+            "[friction]\nlaw = \"snags\"\nmu_s = 0.11\nmu_d = 0.1\nsnag_spacing_m = 0.01\n"
+            "law_seed = 5\n" +
             segment;
         Words at;
         std::string before = "STUCK";
@@ -94,17 +99,14 @@ TEST_CASE("snags lie by the length of an edge, whatever its knots and weights") 
         }
         return at;
     };
-    const auto line = catches("kind = \"line\"\nfrom_m = [-0.15, 0]\nto_m = [0.15, 0]\n");
+    const auto line = catches(line_text({-0.15, 0.0}, {0.15, 0.0}));
     CHECK(line.size() >= 28);  // of 30, of which one may lie in the catch of another
-    for (const char* const nurbs :
-         {"degree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
-          "points_m = [[-0.15, 0], [-0.14, 0], [-0.13, 0], [0.15, 0]]\n",
-          "degree = 2\nknots = [0, 0, 0, 1, 1, 1]\nweights = [1, 0.05, 1]\n"
-          "points_m = [[-0.15, 0], [0, 0], [0.15, 0]]\n",
-          "degree = 1\nknots = [0, 0, 0.9, 1, 1]\npoints_m = [[-0.15, 0], [-0.1, 0], [0.15, "
-          "0]]\n"}) {
-        CAPTURE(nurbs);
-        CHECK(catches(std::string("kind = \"nurbs\"\n") + nurbs) == line);
+    for (const NurbsData<2>& nurbs :
+         {bezier_data({{-0.15, 0}, {-0.14, 0}, {-0.13, 0}, {0.15, 0}}),
+          bezier_data({{-0.15, 0}, {0, 0}, {0.15, 0}}, {1, 0.05, 1}),
+          NurbsData<2>{1, {0, 0, 0.9, 1, 1}, {{-0.15, 0}, {-0.1, 0}, {0.15, 0}}, {}}}) {
+        CAPTURE(nurbs.knots);
+        CHECK(catches(segment_text(nurbs)) == line);
     }
 }
 
@@ -114,28 +116,33 @@ TEST_CASE("under a vertex slew knots that change nothing change no force") {
         path += fmt::format("{},{},{}\n", 1e-3 * i, 0.007 * std::cos(0.1 * i),
                             0.0585 + 0.0015 * std::sin(0.2 * i));
     }
-    const auto rendered = [&](const std::string& nurbs) {
+    const auto rendered = [&](const NurbsData<2>& nurbs) {
         return columns_in(
             said_of("render",
-                    "[friction]\nlaw = \"frictionless\"\nvertex_slew_m_per_s = 0.2\n"
-                    "[[segment]]\nkind = \"nurbs\"\n" +
-                        std::string(nurbs.starts_with("degree") ? "" : "degree = 3\n") + nurbs +
-                        "[[segment]]\nkind = \"line\"\nfrom_m = [0.03, 0]\nto_m = [-0.03, 0]\n",
+                    "[friction]\nlaw = \"frictionless\"\nvertex_slew_m_per_s = 0.2\n" +
+                        segment_text(nurbs) + line_text({0.03, 0.0}, {-0.03, 0.0}),
                     path));
     };
-    const Columns whole = rendered(
-        "knots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
-        "points_m = [[-0.03, 0], [-0.03, 0.09], [0.03, 0.09], [0.03, 0]]\n");
+    const Columns whole =
+        rendered(bezier_data({{-0.03, 0}, {-0.03, 0.09}, {0.03, 0.09}, {0.03, 0}}));
     CHECK(std::ranges::count(whole.at("slewed"), 1.0) > 20);
-    for (const char* const same :  // knots inserted, in halves and beside them; a degree more
-         {"knots = [0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1]\n"
-          "points_m = [[-0.03, 0], [-0.03, 0.0225], [-0.0225, 0.05625], [0, 0.073125], "
-          "[0.0225, 0.05625], [0.03, 0.0225], [0.03, 0]]\n",
-          "knots = [0, 0, 0, 0, 0.3, 1, 1, 1, 1]\n"
-          "points_m = [[-0.03, 0], [-0.03, 0.027], [-0.012, 0.09], [0.03, 0.063], [0.03, 0]]\n",
-          "degree = 4\nknots = [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]\n"
-          "points_m = [[-0.03, 0], [-0.03, 0.0675], [0, 0.09], [0.03, 0.0675], [0.03, 0]]\n"}) {
-        CAPTURE(same);
+    for (const NurbsData<2>& same :  // knots inserted, in halves and beside them; a degree more
+         {NurbsData<2>{3,
+                       {0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1},
+                       {{-0.03, 0},
+                        {-0.03, 0.0225},
+                        {-0.0225, 0.05625},
+                        {0, 0.073125},
+                        {0.0225, 0.05625},
+                        {0.03, 0.0225},
+                        {0.03, 0}},
+                       {}},
+          NurbsData<2>{3,
+                       {0, 0, 0, 0, 0.3, 1, 1, 1, 1},
+                       {{-0.03, 0}, {-0.03, 0.027}, {-0.012, 0.09}, {0.03, 0.063}, {0.03, 0}},
+                       {}},
+          bezier_data({{-0.03, 0}, {-0.03, 0.0675}, {0, 0.09}, {0.03, 0.0675}, {0.03, 0}})}) {
+        CAPTURE(same.knots);
         const Columns other = rendered(same);
         CHECK(whole.at("slewed") == other.at("slewed"));
         CHECK(apart(whole.at("fx_n"), other.at("fx_n")) < 1e-9);
@@ -166,4 +173,31 @@ TEST_CASE("check says which laws creep, chatter or are not passive, and refuses 
                Has("of 100 N/m along the surface gives back up to 0.12 J"));
     CHECK_THAT(checked("law = \"viscous\"\nmu_d = 0.5\nviscous_n_s_per_m = 5\n", 1),
                Has("with a damper of 5 N s/m"));
+}
+
+TEST_CASE("an episode is one coming into contact of soft objects too, and no free tick is cut") {
+    const TemporaryFolder folder;
+    const std::string db =
+        run_by({"P1"}, write(folder.file("soft.toml"), soft_study()), folder.file("soft.sqlite"));
+    const auto trials = csv_body(sql_csv(
+        db,
+        "WITH s AS (SELECT trial_id, mode, flags, lag(mode, 1, 'free') OVER (PARTITION BY "
+        "trial_id ORDER BY tick) AS was FROM sample JOIN presentation USING (trial_id) WHERE "
+        "tick < ticks) "
+        "SELECT felt_object, sum(mode <> 'free' AND was = 'free'), contact_episodes, "
+        "sum(mode = 'free' AND flags & 32), worst_episode_j FROM s JOIN trial USING "
+        "(trial_id) JOIN presentation USING (trial_id) GROUP BY trial_id"));
+    REQUIRE(trials.size() == 4);
+    std::size_t again = 0;
+    for (const Words& trial : trials) {
+        CAPTURE(trial[0]);
+        CHECK(trial[1] == trial[2]);
+        CHECK(trial[3] == "0");
+        CHECK(std::stod(trial[4]) <= 1e-12);
+        again += trial[0] == "convex" && trial[2] != "1" ? 1U : 0U;
+    }
+    CHECK(again > 0);  // the soft one is touched more than once
+    CHECK_THAT(ran({"verify", db}).out, Has("ticks replayed, nothing differs"));
+    sql_edit(db, "UPDATE trial SET contact_episodes = contact_episodes - 1 WHERE trial_id = 1");
+    CHECK_THAT(ran({"verify", db}, 1).out, Has("contact_episodes"));
 }

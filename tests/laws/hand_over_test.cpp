@@ -11,12 +11,7 @@ std::string by_sql(const std::string& file, const std::string& query) {
 
 /// Two people of a study.
 std::string two_people(const TemporaryFolder& folder, const std::string& study) {
-    write(folder.file("p.toml"), study);
-    const std::string file = folder.file("a.sqlite");
-    for (const char* person : {"Ada", "Bob"}) {
-        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
-    }
-    return file;
+    return run_by({"Ada", "Bob"}, write(folder.file("p.toml"), study), folder.file("a.sqlite"));
 }
 
 /// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
@@ -40,12 +35,8 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         by_sql(file,
                "SELECT sum(correct) FROM analysis_trial WHERE counts AND phase = 'main' AND "
                "session_kind = 'simulated'");
-    const std::string within = "cd '" + out + "' && ";
-    if (const Finished r = Process({"sh", "-c",
-                                    within + "Rscript analysis.R && Rscript -e \"source('" +
-                                        script("loads_export.R") + "')\""})
-                               .wait();
-        r.code == 0) {
+    const std::string loads = "Rscript -e \"source('" + script("loads_export.R") + "')\"";
+    if (const Finished r = shell("Rscript analysis.R && " + loads, out); r.code == 0) {
         CHECK(lines_in(r.out).back() + '\n' == wanted);
         CHECK_THAT(r.out, Has("smooth rough\n"));
     } else {
@@ -58,9 +49,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         }
         pandas = true;
         const Finished py = ended(
-            Process({"sh", "-c",
-                     within + "PYTHONPATH=. " + python + " '" + script("loads_export.py") + "'"})
-                .wait());
+            shell(fmt::format("PYTHONPATH=. {} '{}'", python, script("loads_export.py")), out));
         CHECK(lines_in(py.out).back() + '\n' == wanted);
     }
     if (!pandas) {
@@ -77,8 +66,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
     const std::string file = identified(folder);
     std::string asked = replaced(four_trials(), "id = \"four_trials\"", "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
-    write(folder.file("asked.toml"), asked);
-    ran(run_words(folder.file("asked.toml"), "Cem", file, {"--device", "sim"}));
+    run_by({"Cem"}, write(folder.file("asked.toml"), asked), file);
     const std::string out = folder.file("shared with you");  // R writes its blanks as ~+~
     ran({"export", file, "--kind", "all", "-o", out});
     ran({"analysis", "init", out});
@@ -91,19 +79,16 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
             WARN("not installed: skipped");
             continue;
         }
-        const Finished ran = ended(
-            Process({"sh", "-c", replaced(run, "analysis", "'" + out + "'/analysis")}).wait());
+        const Finished ran = ended(shell(replaced(run, "analysis", "'" + out + "'/analysis")));
         CHECK_THAT(ran.out,
                    Has("fourtrials, simulated:\n", "asked, simulated: no answer is right or wrong",
                        "mean answer_code", "concave") &&
                        !Has("NA") && !Has("NaN"));
         CHECK(lines_in(behind(ran.out, "fourtrials", "asked")).size() == (r ? 4 : 5));
         const std::string script = r ? "analysis.R" : "analysis.py";
-        const Finished none =
-            Process({"sh", "-c",
-                     "cd '" + out + "' && sed 's/\"simulated\"/\"pilot\"/' " + script + " >o_" +
-                         script + " && " + replaced(run, script, "o_" + script)})
-                .wait();
+        const Finished none = shell("sed 's/\"simulated\"/\"pilot\"/' " + script + " >o_" + script +
+                                        " && " + replaced(run, script, "o_" + script),
+                                    out);
         CHECK(none.code == 0);
         CHECK(none.out == "pilot: no answer of a main trial counts here\n");
     }

@@ -38,7 +38,7 @@ std::string doctor(const std::string& device, const Words& environment = {}) {
     const TemporaryFile file("d.sqlite");
     return on_one_line(
         Process(command_of({"doctor", "--device", device, "--seconds", "0.05", "--db", file}),
-                joined({"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}, environment))
+                joined(kNoDisplay, environment))
             .wait()
             .out);
 }
@@ -123,9 +123,8 @@ TEST_CASE("who had the port open before is named and left as it was, and nothing
     for (const Words& begins :
          {run_words("pilot", "P1", folder.file("d.sqlite"), {"--windowed", "--kind", "pilot"}),
           Words{"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
-        const Words words = joined(command_of(begins), {"--device", "haply:" + emulator.link,
-                                                        "--calibration", "2diy_gen3"});
-        const Finished beside = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+        const Finished beside = unseen(
+            joined(begins, {"--device", "haply:" + emulator.link, "--calibration", "2diy_gen3"}));
         CAPTURE(begins, beside.out, beside.error);
         CHECK(beside.code == 1);
         CHECK_THAT(on_one_line(beside.error), Has("in use by another program, sleep"));
@@ -176,8 +175,7 @@ TEST_CASE("a session on an emulated board is simulated unless --kind says otherw
     }
     const auto refused = [&](const Words& kind) {
         const Words words = run_words(study, "P01", file, {"--device", "haply:" + emulator.link});
-        return ended(Process(joined(command_of(words), kind), {"SDL_VIDEODRIVER=dummy"}).wait(), 2)
-            .error;
+        return ended(unseen(joined(words, kind)), 2).error;
     };
     CHECK_THAT(refused({}), Has("the session is recorded as simulated", "--other-device"));
     CHECK_THAT(refused({"--kind", "pilot"}), Has("cannot go on as pilot"));

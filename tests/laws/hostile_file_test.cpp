@@ -1,6 +1,3 @@
-#include <signal.h>
-#include <sys/stat.h>
-
 #include "data/store/database.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/lab_files.hpp"
@@ -20,19 +17,11 @@ const std::string kAllRight =
 
 TEST_CASE("nothing is written beside what a file's schema would do") {
     const LabFiles files;
-    for (const auto& [sql, name] : std::vector<std::pair<std::string, std::string>>{
-             {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
-              "started_utc = '2001-01-01T00:00:00.000Z'; END",
-              "trigger t"},
-             {"CREATE TRIGGER \"Q\" BEFORE INSERT ON Response BEGIN SELECT RAISE(IGNORE); END",
-              "trigger Q"},
-             {kAllRight, "view analysis_trial"},
-             {"DROP VIEW fault", "view fault"},
-             {"ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5", "table response"},
-             {"CREATE TABLE mine (n REFERENCES trial (attempt))", "table mine"},
-             {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
-             {"CREATE INDEX by_number ON trial (outcome COLLATE uint)", "index by_number"},
-             {kEndless, "table trial"}}) {
+    auto edits = test_rows("edits/foreign_schemas.tsv");
+    edits.push_back({kAllRight, "view analysis_trial"});
+    edits.push_back({kEndless, "table trial"});
+    for (const Words& edit : edits) {
+        const std::string& sql = edit.at(0);
         const std::string file = files.with(sql);
         const std::string before = lab_sqlite(file, ".dump");
         for (const Words& words : {files.run(file, "P02"),
@@ -42,7 +31,7 @@ TEST_CASE("nothing is written beside what a file's schema would do") {
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
             CAPTURE(sql, words.front());
-            CHECK_THAT(ran(words, 2).error, Has(name, "nothing is written into it"));
+            CHECK_THAT(ran(words, 2).error, Has(edit.at(1), "nothing is written into it"));
         }
         CHECK(lab_sqlite(file, ".dump") == before);
     }
@@ -85,20 +74,15 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever") {
     CHECK_THAT(ran({"sql", added, "-c", "SELECT 1 FROM main.confusion"}, 1).error,
                Has("palpate's own go by their names without main"));
     const std::string endless = files.with(kEndless);
-    for (const Words& words :
-         std::vector<Words>{{"summary", endless},
-                            {"verify", endless},
-                            {"stats", endless},
-                            {"fit", endless},
-                            {"audit", endless},
-                            {"trace", endless, "1"},
-                            {"report", endless, "-o", files.folder.file("r.html")},
-                            {"export", endless, "-o", files.folder.file("shared")},
-                            {"merge", files.folder.file("new.sqlite"), endless},
-                            {"sql", endless, "-c", "SELECT count(*) FROM trial"}}) {
-        const Words all = joined({palpate_program()}, words);
-        const Finished done = Process(all).wait(std::chrono::seconds(60));
-        CAPTURE(words.front(), done.out, done.error);
+    for (const char* line : {"summary {db}", "verify {db}", "stats {db}", "fit {db}", "audit {db}",
+                             "trace {db} 1", "report {db} -o {out}", "export {db} -o {out}",
+                             "merge {out} {db}", "sql {db} -c {query}"}) {
+        const Words words = words_of(palpate_program(), line,
+                                     {{"{db}", endless},
+                                      {"{out}", files.folder.file("new")},
+                                      {"{query}", "SELECT count(*) FROM trial"}});
+        const Finished done = Process(words).wait(std::chrono::seconds(60));
+        CAPTURE(line, done.out, done.error);
         CHECK((done.code == 1 || done.code == 2));
         CHECK_THAT(done.out + done.error, Has("table trial"));
     }
@@ -129,15 +113,12 @@ TEST_CASE("of a file with a damaged page nothing is said but that it is damaged"
         std::fstream edited(file, std::ios::binary | std::ios::in | std::ios::out);
         edited.seekp(at + 3).write("\0\0", 2);
     }
-    for (const Words& words :
-         std::vector<Words>{{"summary", file},
-                            {"participant", file},
-                            {"status", file},
-                            {"stats", file, "--kind", "simulated"},
-                            {"export", file, "--kind", "all", "-o", files.folder.file("shared")},
-                            {"merge", files.folder.file("all.sqlite"), file}}) {
-        CAPTURE(page, words.front());
-        const Finished done = ran(words, 1);
+    for (const char* line :
+         {"summary {db}", "participant {db}", "status {db}", "stats {db} --kind simulated",
+          "export {db} --kind all -o {out}", "merge {out} {db}"}) {
+        CAPTURE(page, line);
+        const Finished done =
+            ran(words_of("", line, {{"{db}", file}, {"{out}", files.folder.file("new")}}), 1);
         CHECK(done.out.empty());
         CHECK_THAT(done.error, Has("the file is damaged", "restore a copy"));
     }
@@ -270,13 +251,8 @@ TEST_CASE("a query that somebody pasted reads this file, and ends") {
     CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
 }
 
-TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go") {
+TEST_CASE("what an export left half-made goes, and no code is taken for an option") {
     const LabFiles files;
-    const auto rights = [](const std::string& file) {
-        struct stat status {};
-        REQUIRE(stat(file.c_str(), &status) == 0);
-        return status.st_mode & 0777U;
-    };
     const std::string shared = files.folder.file("shared");
     const std::string left = shared + ".palpate-part-aBcD12";
     std::filesystem::create_directory(left);
@@ -287,21 +263,6 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
                Has("aBcD12", "it is removed"));
     CHECK(!std::filesystem::exists(left));
     CHECK(std::filesystem::exists(near));
-    CHECK((rights(shared + "/trials.csv") & 0044U) != 0);
-    const std::string coded = files.folder.file("coded");
-    ran({"export", files.clean, "--kind", "all", "--keep-codes", "-o", coded});
-    CHECK(rights(coded + "/codes.csv") == 0600);
-    const std::string page = files.folder.file("r.html");
-    ran({"report", files.clean, "--trial", "1", "--keep-codes", "-o", page});
-    CHECK(rights(page) == 0600);
-    // Whoever may write in the folder knows the process, and lays a link where it would write.
-    const std::string victim = files.folder.file("victim");
-    write(victim, "mine");
-    ended(Process({"sh", "-c",
-                   "ln -s \"$2\" \"$3.$$.part\"; exec \"$0\" report \"$1\" --trial 1 -o \"$3\"",
-                   palpate_program(), files.clean, victim, page})
-              .wait());
-    CHECK(std::filesystem::file_size(victim) == 4);
     for (const char* code : {"--help", "-rf", "_a"}) {
         const Finished refused =
             ran({"run", "shape_friction_demo", std::string("--participant=") + code, "--db",

@@ -5,7 +5,7 @@
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/scene_text.hpp"
 
 using Catch::Matchers::Matches;
 
@@ -69,8 +69,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
 
 TEST_CASE("a database whose protocol is deep or long ends no command by a signal") {
     const TemporaryFolder folder;
-    const std::string db = folder.file("d.sqlite");
-    ran(run_words("shape_friction_demo", "P1", db, {"--headless"}));
+    const std::string db = run_by({"P1"}, "shape_friction_demo", folder.file("d.sqlite"));
     const std::string text = GENERATE(deep(0, 15'000), "a = '" + times(5'000'000, "x") + "'\n");
     {
         data::Database database(db, data::Access::write);
@@ -116,21 +115,8 @@ TEST_CASE("what is no file is refused as a database by every command, at once") 
     REQUIRE(bind(socket_of, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
     const std::string out = folder.file("out");
     for (const std::string& db : {pipe, plug, std::string("/dev/zero"), folder.path().string()}) {
-        for (const Words& words : std::vector<Words>{
-                 {"verify", db},
-                 {"summary", db},
-                 {"sql", db, "-c", ".tables"},
-                 {"trace", db, "1"},
-                 {"note", db, "seen", "--participant", "P1"},
-                 {"mark", db, "1", "--invalid", "late"},
-                 {"participant", db, "P1", "--new"},
-                 {"export", db, "-o", out},
-                 {"merge", out, db},
-                 {"demo", "--headless", "--db", db},
-                 {"sequence", "shape_friction_demo", "--participant", "P1", "--db", db},
-                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", db},
-                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", out,
-                  "--device", "replay:" + db}}) {
+        for (const Words& row : test_rows("database_commands.tsv")) {
+            const Words words = words_of("", row.at(0), {{"{db}", db}, {"{out}", out}});
             CAPTURE(words);
             CHECK_THAT(ran(words, 2).error,
                        Matches(".*: this is a (folder|pipe|socket|device), no file: .*\n",
@@ -157,10 +143,7 @@ TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait
     CHECK_THAT(ran({"screenshots", "--font", pipe, "-o", folder.file("o")}, 2).error,
                Has("there is no such file"));
     // What comes through a pipe is read: <(...) of a shell is one. What never ends is not.
-    ended(Process({"bash", "-c",
-                   palpate_program() + " check <(cat " PALPATE_SOURCE_DIR
-                                       "/protocols/library/stress.toml)"})
-              .wait());
+    ended(shell("\"$0\" check <(cat " PALPATE_SOURCE_DIR "/protocols/library/stress.toml)"));
     CHECK_THAT(palpate_command({"check", "/dev/zero"}).error, Has("is longer than"));
     check_end(palpate_command({"check", pipe}), 2,  // takes its 10 s of patience
               Has("pipe:1:1: cannot be read: nothing has come out"));
@@ -170,11 +153,9 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
-    write(scene,
-          plane
-              ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
-              : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, "
-                "1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, 0.1, 0]]]\n");
+    write(scene, plane ? line_text({0.0, 0.0}, {0.1, 0.0})
+                       : plate_text({{0.0, 0.0, 0.0}, {0.0, 0.1, 0.0}},
+                                    {{0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}}));
     const std::string z = plane ? "" : ",0";
     for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
         CAPTURE(far);
@@ -198,7 +179,7 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         const auto row = csv_records(closest.out).at(0);
         CHECK(std::stod(row.at("distance_m")) == Approx(distance).margin(1e-12));
     }
-    write(scene, "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 1e155]\n");
+    write(scene, line_text({0.0, 0.0}, {0.1, 1e155}));
     CHECK_THAT(palpate_command({"closest", scene, folder.file("q.csv")}).error,
                Has("s.toml:4:8: to_m holds 1e+155"));
 }
@@ -216,10 +197,8 @@ TEST_CASE("the numbers of a scene have an end, and up to there its forces are fi
     const auto rendered = [&](const std::string& value, int code) {
         for (const auto& [key, table] : largest) {
             CAPTURE(key, value);
-            std::string text =
-                "[renderer]\n[friction]\nlaw = \"lugre\"\nmu_s = 0.7\nmu_d = "
-                "0.5\n[[segment]]\nkind "
-                "= \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n";
+            std::string text = "[renderer]\n[friction]\nlaw = \"lugre\"\nmu_s = 0.7\nmu_d = 0.5\n" +
+                               line_text({0.0, 0.0}, {0.1, 0.0});
             text.insert(text.find(table) + table.size(), fmt::format("\n{} = {}", key, value));
             write(scene, text);
             const Finished felt = ran({"render", scene, folder.file("p.csv")}, code);

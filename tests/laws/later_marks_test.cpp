@@ -47,18 +47,19 @@ public:
     Words heads{};
 };
 
-/// As if the session had been stopped after seven trials.
-void stop_after_seven(const std::string& file) {
+/// As if the session had been stopped after so many attempts.
+void stop_after(int attempts, const std::string& file) {
     std::string sql = "PRAGMA foreign_keys = OFF;";
     for (const char* table : {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
-        sql += fmt::format("DELETE FROM {} WHERE trial_id > 7;", table);
+        sql += fmt::format("DELETE FROM {} WHERE trial_id > {};", table, attempts);
     }
     sql_edit(file,
-             sql +
-                 "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id "
-                 "= 7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
-                 "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal "
-                 "FROM trial WHERE trial_id = 7)");
+             sql + fmt::format(
+                       "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE "
+                       "trial_id = {0});DELETE FROM trial WHERE trial_id > {0}; UPDATE session SET "
+                       "finished = 0, finished_utc = NULL, seal = NULL, seal_events = NULL, "
+                       "newest_seal = (SELECT seal FROM trial WHERE trial_id = {0})",
+                       attempts));
 }
 
 }  // namespace
@@ -111,7 +112,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain") {
     said(run);
     const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
     CHECK(sql_csv(file, event) == "text\nhandedness 80\n");
-    stop_after_seven(file);
+    stop_after(7, file);
     const std::string seventh = verified_head(file);
     const std::string marked = head_in(said({"mark", file, "3", "--invalid", "bell"}));
     CHECK(marked != seventh);
@@ -127,7 +128,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made") {
     const std::string marked = folder.file("marked.sqlite");
     const Words run = run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
     said(run);
-    stop_after_seven(file);
+    stop_after(7, file);
     const std::string trials = "SELECT * FROM analysis_trial ORDER BY trial_id";
     const std::string before = sql_csv(file, trials);
     said({"mark", file, "3", "--invalid", "bell"});
@@ -156,7 +157,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made") {
     said(run);
     CHECK(sql_csv(file, "SELECT count(*), sum(counts) FROM analysis_trial") ==
           "count(*),sum(counts)\n10,10\n");
-    stop_after_seven(file);
+    stop_after(7, file);
     said({"mark", file, "3", "--invalid", "bell"});
     said(run);
     CHECK_THAT(ran({"mark", file, "3", "--undo", "no bell"}, 2).error,
@@ -213,5 +214,40 @@ TEST_CASE("sessions become another's all or none, whoever reads what is said") {
                                {"participant", file, "P1", "--is-really", "P2", "--reason", " "},
                                {"mark", file, "1", "--invalid", " "}}) {
         check_end(palpate_command(words), 2, Has("is empty: say it in a few words"));
+    }
+}
+
+TEST_CASE("a session goes on alike whatever the sentences of its events say") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const auto run = [](const std::string& of, const std::string& resume) {
+        return joined(demo_words(of), {"--resume", resume});
+    };
+    ran(run(file, "continue"));
+    stop_after(9, file);
+    ran({"mark", file, "7", "--invalid", "the bell rang"});
+    // The session begins its block again, and is broken off again.
+    ran(run(file, "redo-block"));
+    stop_after(14, file);
+    CHECK(sql_csv(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
+          "event_kind\nredo\n");
+    const std::string reworded = copied(file, folder.file("reworded.sqlite"));
+    sql_edit(reworded,
+             "UPDATE event SET text = 'after 3 attempts: part 2: position ' || event_id || ' is "
+             "done'");
+    for (const std::string& one : {file, reworded}) {
+        ran(run(one, "continue"));
+    }
+    for (const char* sql :
+         {"SELECT trial_id, plan_position, attempt, outcome, invalid_reason IS NULL, fault_cause,"
+          " ticks FROM trial ORDER BY trial_id",
+          "SELECT * FROM response ORDER BY trial_id",
+          "SELECT trials_begun, event_kind, trial_id, plan_position, part, count, key FROM event"
+          " ORDER BY event_id",
+          "SELECT answered, faulted, aborted, lost_ticks, breaks FROM session_health"}) {
+        CAPTURE(sql);
+        const std::string wanted = sql_csv(file, sql);
+        CHECK(wanted.find('\n') + 1 < wanted.size());
+        CHECK(sql_csv(reworded, sql) == wanted);
     }
 }

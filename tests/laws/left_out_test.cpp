@@ -41,12 +41,11 @@ std::string mixed_study(const TemporaryFolder& folder) {
 /// The account's lines of people and answers, wherever it stands.
 std::set<std::string> account_in(const std::string& text) {
     std::set<std::string> lines;
-    for (const char* begin : {"people: ", "answers of main trials: "}) {
-        for (std::size_t at = text.find(begin); at != std::string::npos;
-             at = text.find(begin, at + 1)) {
-            const std::size_t end = text.find_first_of("\n<", at);
-            if (text.substr(at, end - at).find("in the file") != std::string::npos) {
-                lines.insert(text.substr(at, end - at));
+    const std::string ends = all_replaced(text, "<", "\n") + '\n';
+    for (const std::string begin : {"people: ", "answers of main trials: "}) {
+        for (const std::string& rest : between(ends, begin, "\n")) {
+            if (rest.find("in the file") != std::string::npos) {
+                lines.insert(begin + rest);
             }
         }
     }
@@ -214,8 +213,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         behind(summary, "1 answered trial is invalid and left out:\n    palpate ");
     CAPTURE(summary);
     REQUIRE_FALSE(said.empty());
-    const Finished listed =
-        ended(Process({"sh", "-c", palpate_program() + ' ' + said + " --csv"}).wait());
+    const Finished listed = ended(shell("\"$0\" " + said + " --csv"));
     CHECK(std::ranges::count(listed.out, '\n') == 2);
     // Where nobody is left it is said why.
     sql_edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
@@ -230,11 +228,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
 
 TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("s.sqlite");
     write(folder.file("p.toml"), four_trials() + "\n[exclusion]\nsessions_finished = true\n");
-    for (const char* who : {"A", "B", "C", "D", "E"}) {
-        ran(run_words(folder.file("p.toml"), who, file, {"--headless"}));
-    }
+    const std::string file =
+        run_by({"A", "B", "C", "D", "E"}, folder.file("p.toml"), folder.file("s.sqlite"));
     sql_edit(file, "UPDATE session SET finished = 0");
     const std::string account = "5 by the rules of [exclusion]; analysed: 0";
     for (const char* command : {"audit", "stats", "fit"}) {
@@ -291,7 +287,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     CHECK(sql_csv(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");
     // Another study in the same file: a row of its own. A catch trial's object is in no picture: no
     // answer is right.
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "G", file, {"--headless"}));
+    run_by({"G"}, PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", file);
     CHECK(sql_csv(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");
     CHECK(sql_csv(file,
                   "SELECT phase, count(*) > 0 AS n, count(correct) > 0 AS judged FROM "
@@ -317,15 +313,11 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
 
 TEST_CASE("a file is read where no disk has room for an index of its log, or it is said") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    ran(run_words(kFourTrials, "P", file, {"--headless"}));
+    const std::string file = run_by({"P"}, kFourTrials, folder.file("a.sqlite"));
     // As on a full disk: no file may grow.
     const auto piped = [](const std::string& of) {  // standard output is a file too
-        return Process(
-                   {"sh", "-c",
-                    "(trap '' XFSZ; ulimit -f 0; \"$0\" summary \"$1\" 2>&1; echo code $?) | cat",
-                    palpate_program(), of})
-            .wait();
+        return shell("(trap '' XFSZ; ulimit -f 0; \"$0\" summary \"$1\" 2>&1; echo code $?) | cat",
+                     "/", {of});
     };
     CHECK_THAT(piped(file).out, Has("people: 1 in the file", "code 0"));
     // A log that was left by a crash, without its index.

@@ -11,7 +11,6 @@
 #include "tests/support/console.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/stranger.hpp"
 #include "tests/support/window_session.hpp"
 
 // What others see of a running session and may ask of it: the program itself, its control socket

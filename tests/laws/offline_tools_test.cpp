@@ -1,6 +1,7 @@
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/foot_oracle.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace {
 
@@ -15,11 +16,7 @@ double number(const Columns& csv, const std::string& column, std::size_t row) {
 
 TEST_CASE("palpate render gives the forces of plane trigonometry on an arc") {
     EACH(kappa, 12.0, 0.0, -12.0);
-    const std::string scene =
-        kContact + fmt::format(
-                       "[[segment]]\nkind = \"arc\"\nfrom_m = [-0.05, 0.0]\nto_m = [0.05, "
-                       "0.0]\ncurvature_per_m = {}\n",
-                       kappa);
+    const std::string scene = kContact + arc_text({-0.05, 0.0}, {0.05, 0.0}, kappa);
     const ArcOracle arc{{-0.05, 0.0}, {0.05, 0.0}, kappa};
     GosOracle oracle(arc, {1000.0, 0.7, 0.5, 0.02, 0.1, 1e-3});
     std::string path = "t_s,x_m,y_m\n";
@@ -63,15 +60,7 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
     for (int i = 0; i < 3; ++i) {
         const auto data = random_nurbs<2>(random, 0.1, 1.0);
         oracles.emplace_back(data);
-        Words points;
-        for (const Vec2& p : data.points) {
-            points.push_back(fmt::format("[{}, {}]", p.x, p.y));
-        }
-        scene += fmt::format(
-            "[[segment]]\nkind = \"nurbs\"\ndegree = {}\nknots = [{}]\npoints_m = [{}]\n"
-            "weights = [{}]\n",
-            data.degree, fmt::join(data.knots, ", "), fmt::join(points, ", "),
-            fmt::join(data.weights, ", "));
+        scene += segment_text(data);
     }
     std::string table = "x_m,y_m\n";
     std::vector<Vec2> points;
@@ -95,15 +84,12 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
 TEST_CASE("palpate closest says of a point of a surface whether its search was broken off") {
     // Weights of 1e-3 beside 1e3 bend the patch into valleys that cost too much; found by search.
     for (const bool bent : {false, true}) {
-        const std::string weights =
-            bent ? "[[1, 1000, 0.001], [1, 0.001, 1000]]" : "[[1, 1, 1], [1, 1, 1]]";
-        const std::string scene =
-            kContact +
-            "[[surface]]\ndegree_u = 1\ndegree_v = 2\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, 0, "
-            "1, "
-            "1, 1]\npoints_m = [[[0.01, 0, -0.02], [0.01, 0.06, -0.02], [-0.02, 0.1, -0.02]], "
-            "[[0.05, -0.02, -0.02], [0.06, 0.05, 0], [0.06, 0.11, 0.04]]]\nweights = " +
-            weights + "\n";
+        SurfaceData patch{.degree_v = 2, .knots_u = {0, 0, 1, 1}, .knots_v = {0, 0, 0, 1, 1, 1}};
+        patch.points = {{{0.01, 0, -0.02}, {0.01, 0.06, -0.02}, {-0.02, 0.1, -0.02}},
+                        {{0.05, -0.02, -0.02}, {0.06, 0.05, 0}, {0.06, 0.11, 0.04}}};
+        patch.weights = {{1, bent ? 1000.0 : 1.0, bent ? 0.001 : 1.0},
+                         {1, bent ? 0.001 : 1.0, bent ? 1000.0 : 1.0}};
+        const std::string scene = kContact + surface_text(patch);
         const auto csv = columns_in(said_of("closest", scene, "x_m,y_m,z_m\n0.058,0.108,0.0376\n"));
         CHECK(number(csv, "unproven", 0) == (bent ? 1.0 : 0.0));
     }
@@ -112,7 +98,7 @@ TEST_CASE("palpate closest says of a point of a surface whether its search was b
 TEST_CASE(
     "a wrong scene or table gets file, line, value and remedy, exit code 2, and no output file") {
     const TemporaryFolder folder;
-    const std::string good = std::string(kContact) + R"(
+    const std::string good = kContact + R"(
 [[segment]]
 kind = "line"
 from_m = [0.0, 0.0]
@@ -191,13 +177,10 @@ TEST_CASE("palpate render presses a soft object to where palpate deform has it a
     const TemporaryFolder folder;
     const auto scene = [&](double compliance) {
         const std::string file = folder.file(fmt::format("{}.toml", compliance));
-        write(file,
-              fmt::format("[renderer]\nstiffness_n_per_m = 800.0\ncompliance_m_per_n = {}\n"
-                          "[friction]\nlaw = \"coulomb\"\nmu_d = 10.0\n",
-                          compliance) +
-                  "[[segment]]\nkind = \"line\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, 0.04]\n"
-                  "[[segment]]\nkind = \"line\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, 0.0]\n"
-                  "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n");
+        write(file, fmt::format("[renderer]\nstiffness_n_per_m = 800.0\ncompliance_m_per_n = {}\n"
+                                "[friction]\nlaw = \"coulomb\"\nmu_d = 10.0\n",
+                                compliance) +
+                        lines_text({{-0.04, 0.0}, {0.0, 0.04}, {0.04, 0.0}, {-0.04, 0.0}}));
         return file;
     };
     // Down the normal in the middle of A-V to 4 mm below it in a second, and there for another.
@@ -222,17 +205,16 @@ TEST_CASE("palpate render presses a soft object to where palpate deform has it a
     // The two lines as one curve with a kink, its control points over the mean of three knots each.
     const std::vector<double> places{0.0,       1.0 / 15, 0.2, 0.4, 0.6, 0.8,       14.0 / 15, 1.0,
                                      16.0 / 15, 1.2,      1.4, 1.6, 1.8, 29.0 / 15, 2.0};
-    std::string points;
+    std::vector<Vec2> points;
     for (const double u : places) {
-        points += fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", 0.04 * (u - 1.0),
-                              0.04 * (1.0 - std::fabs(u - 1.0)));
+        points.push_back(0.04 * Vec2{u - 1.0, 1.0 - std::fabs(u - 1.0)});
     }
     write(
         folder.file("c.toml"),
         fmt::format("degree = 3\nknots = [0, 0, 0, 0, 0.2, 0.4, 0.6, 0.8, 1, 1, 1, 1.2, 1.4, 1.6, "
-                    "1.8, 2, 2, 2, 2]\npoints_m = [{}]\nalpha = {}\nbeta = {}\nfixed = [0, 14]\n"
+                    "1.8, 2, 2, 2, 2]\npoints_m = {}\nalpha = {}\nbeta = {}\nfixed = [0, 14]\n"
                     "force_n = [{}, {}]\nat_u = 0.5\nstatic = true\n",
-                    points, 0.5 / soft, 0.5 / soft / 400.0, -number(csv, "fx_n", last),
+                    toml_of(points), 0.5 / soft, 0.5 / soft / 400.0, -number(csv, "fx_n", last),
                     -number(csv, "fy_n", last)));
     const auto rest = columns_in(ran({"deform", folder.file("c.toml")}).out);
     CHECK(number(rest, "cx_m", 0) == Approx(number(csv, "go_x_m", last)).margin(1e-8));

@@ -276,13 +276,7 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported") {
     const std::string file = folder.file("study.sqlite");
     REQUIRE(run_as("P01", file).code == 0);
     ran({"verify", file});
-    const char* edits[] = {
-        "DELETE FROM secret",
-        "UPDATE secret SET hex = '0123456789abcdef0123456789abcdef'",
-        "UPDATE secret SET hex = '0123456789abcdef0123456789abcdef';"
-        "UPDATE session SET secret = '0123456789abcdef0123456789abcdef'",
-    };
-    for (const char* edit : edits) {
+    for (const std::string& edit : lines_in(test_text("edits/secrets.sql"))) {
         CAPTURE(edit);
         const std::string copy = copied(file, folder.file("copy.sqlite"));
         sql_edit(copy, fmt::format("PRAGMA foreign_keys = OFF; {}", edit));

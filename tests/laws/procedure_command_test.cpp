@@ -78,20 +78,12 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy")
     const std::string config = folder.file("c.toml");
     const std::string responses = folder.file("r.csv");
     write(config, kWatson);
-    const auto refused = [&](std::string_view text, const std::string& what) {
-        write(responses, text);
-        CAPTURE(text);
-        tests::refused({"procedure", config, responses, "-o", folder.file("o.csv")}, what);
+    for (const auto& row : test_rows("procedure_refusals.tsv")) {  // the table, and what is said
+        write(responses, row.at(0));
+        CAPTURE(row);
+        refused({"procedure", config, responses, "-o", folder.file("o.csv")}, row.at(1));
         CHECK(folder.names() == Words{"c.toml", "r.csv"});
-    };
-    refused("answer\n1\n", "r.csv:1: there is no column response");
-    refused("response\n2\n", "r.csv:2: response is 2: give a whole number from 0 to 1");
-    refused("response\n1\n0.5\n", "r.csv:3: response is 0.5");
-    refused("response\nyes\n", "r.csv:2:1: response is \"yes\", not a finite number");
-    refused("response,stimulus\n1,-18\n1,-18.5\n", "r.csv:3: stimulus is -18.5, which is none of");
-    refused(fmt::format("response\n{}", fmt::join(Words(130, "1\n"), "")),
-            "r.csv:130: response 129 comes after the end: the procedure ends with trial 128");
-    refused("", "the file is empty");
+    }
 
     ran({"procedure", folder.file("no.toml"), responses}, 2);
     CHECK_THAT(palpate_command({"procedure", config, folder.file("no.csv")}).error,

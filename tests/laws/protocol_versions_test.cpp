@@ -107,8 +107,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(sql_csv(file, names), !Has("@"));
 
     // Of a person of both, who has a session 1 of each, the version says which is meant.
-    ran(run_words(second, "R1", folder.file("other.sqlite"), {"--headless"}));
-    ran({"merge", file, folder.file("other.sqlite")});
+    ran({"merge", file, run_by({"R1"}, second, folder.file("other.sqlite"))});
     Words leave{"session", file, "R1", "1", "--withdraw", "ill", "--study", "four_trials"};
     CHECK_THAT(ran(leave, 2).error, Has(one, other));
     leave.back() = one;

@@ -1,5 +1,6 @@
 #include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
 #include "tests/support/surfaces.hpp"
 #include "tests/support/thesis_objects.hpp"
 
@@ -13,43 +14,25 @@ constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4
 /// jumps.
 std::string bows(Random& random) {
     const auto p = [&](double x, double y) {
-        return fmt::format("[{}, {}]", x + random.in(-2e-3, 2e-3), y + random.in(-2e-3, 2e-3));
+        const double right = x + random.in(-2e-3, 2e-3);
+        return engine::Vec2{right, y + random.in(-2e-3, 2e-3)};
     };
-    const std::string middle = p(0.0, 0.0);
-    const auto nurbs = [](const std::string& points) {
-        return "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
-               "points_m = [" +
-               points + "]\n";
-    };
-    return nurbs(fmt::format("{}, {}, {}, {}", p(-0.06, 0.0), p(-0.05, 0.03), p(-0.02, 0.04),
-                             middle)) +
-           nurbs(fmt::format("{}, {}, {}, {}", middle, p(0.02, 0.03), p(0.05, 0.03), p(0.07, 0.0)));
+    const engine::Vec2 middle = p(0.0, 0.0);
+    const auto left = bezier_data({p(-0.06, 0.0), p(-0.05, 0.03), p(-0.02, 0.04), middle});
+    return segment_text(left) +
+           segment_text(bezier_data({middle, p(0.02, 0.03), p(0.05, 0.03), p(0.07, 0.0)}));
 }
 
 std::string sheet(Random& random) {
-    const SurfaceData d = bicubic_8x8(random, 0.0);
-    Words rows;
-    for (const auto& row : d.points) {
-        Words points;
-        for (const engine::Vec3& p : row) {
-            points.push_back(fmt::format("[{}, {}, {}]", p.x, p.y, p.z));
-        }
-        rows.push_back(fmt::format("[{}]", fmt::join(points, ", ")));
-    }
-    return fmt::format(
-        "[[surface]]\ndegree_u = 3\ndegree_v = 3\nknots_u = [{0}]\nknots_v = [{0}]\npoints_m = "
-        "[{1}]\n",
-        fmt::join(d.knots_u, ", "), fmt::join(rows, ", "));
+    return surface_text(bicubic_8x8(random, 0.0));
 }
 
 }  // namespace
 
 TEST_CASE(
     "out of contact render's god-object is the closest point, as `palpate closest` finds it") {
-    const auto seed = GENERATE(seeds(6U));
+    SEEDED(random, 6U, 2900U);
     const bool space = seed % 2U == 1U;
-    CAPTURE(seed, space);
-    Random random(seed + 2900U);
     const std::string scene = kRubs + (space ? sheet(random) : bows(random));
     // Above the object, far and near, now and then into it.
     const double phase = random.in(0.0, 6.0);
@@ -88,12 +71,11 @@ TEST_CASE(
 
 TEST_CASE(
     "a hand led round an open end or border feels nothing before it comes through the surface") {
-    const auto seed = GENERATE(seeds(20U));
+    SEEDED(random, 20U, 4100U);
     const char* const scenes[] = {"", kRubs, "[friction]\nlaw = \"dahl\"\nmu_d = 0.5\n"};
     const bool space = seed % 4U == 3U;
-    Random random(seed + 4100U);
     const std::string scene = space ? kRubs + sheet(random) : scenes[seed % 4U] + bows(random);
-    CAPTURE(seed, scene);
+    CAPTURE(scene);
     // Above, round the side, under it and deep, back, and down through it from above.
     const double step = random.in(1e-4, 1e-3);
     const double side = random.coin() ? 0.09 : -0.09;
@@ -163,12 +145,7 @@ TEST_CASE(
         fmt::format("[renderer]\nstiffness_n_per_m = 800\ntracker = {}\n[friction]\n{}\n",
                     tracker.keys, friction);
     for (const auto& polygon : two_polygons()) {
-        text += "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n";
-        std::string points;
-        for (const engine::Vec2& p : polygon) {
-            points += fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", p.x, p.y);
-        }
-        text += "points_m = [" + points + "]\n";
+        text += segment_text(bezier_data({polygon.begin(), polygon.end()}));
     }
     CAPTURE(text);
     const double tick = std::ldexp(1.0, -10);  // s, exact
@@ -212,10 +189,8 @@ TEST_CASE(
 TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
     "path") {
-    const auto seed = GENERATE(seeds(2U));
-    const std::string command = GENERATE(as<std::string>{}, "render", "closest");
-    CAPTURE(seed, command);
-    Random random(seed + 2910U);
+    SEEDED(random, 2U, 2910U);
+    EACH(command, as<std::string>{}, "render", "closest");
     const TemporaryFolder folder;
     write(folder.file("s.toml"), kRubs + bows(random));
     // Rows of any width, some 2 MB: pieces of them begin anywhere in a row.
@@ -235,13 +210,9 @@ TEST_CASE(
     write(folder.file("t.csv"), path);
     write(folder.file("few.csv"), few);
     const auto felt = [&](const std::string& shell) {
-        Process process({"/bin/sh", "-c",
-                         fmt::format("cd {} && P='{} {} s.toml' && {}", folder.path().string(),
-                                     palpate_program(), command, shell)});
-        Finished done = process.wait();
-        CAPTURE(shell, done.error);
-        REQUIRE(done.code == 0);
-        return done.out;
+        return ended(tests::shell(fmt::format("P=\"$0 {} s.toml\" && {}", command, shell),
+                                  folder.path()))
+            .out;
     };
     const std::string whole = felt("$P t.csv");
     CHECK(std::count(whole.begin(), whole.end(), '\n') == kRows + 1);
@@ -257,14 +228,11 @@ TEST_CASE(
     path.insert(last, "x");
     write(folder.file("bad.csv"), path);
     for (const std::string to : {"", "-o bad_o.csv"}) {
-        Process process({"/bin/sh", "-c",
-                         fmt::format("cd {} && {} {} s.toml bad.csv {}", folder.path().string(),
-                                     palpate_program(), command, to)});
-        const Finished done = process.wait();
-        CAPTURE(to, done.error);
-        CHECK(done.code == 2);
+        const Finished done =
+            shell(fmt::format("\"$0\" {} s.toml bad.csv {}", command, to), folder.path());
+        CAPTURE(to);
+        check_end(done, 2, Has("bad.csv:", "not a finite number"));
         CHECK(done.out.empty());
-        CHECK_THAT(done.error, Has("bad.csv:", "not a finite number"));
         CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
     }
 }
@@ -276,18 +244,14 @@ TEST_CASE("a step of a micrometre weighs a micrometre, whatever the vertex slew"
                              -0.008 + 1e-4 * std::max(k - 40, 0), 0.002 - 1e-4 * std::min(k, 40));
     }
     for (const char* slew : {"0.2", "0.01"}) {
-        std::string text = fmt::format(
+        const std::string text = fmt::format(
             "[renderer]\nstiffness_n_per_m = 1000\n[friction]\nlaw = \"frictionless\"\n"
             "vertex_slew_m_per_s = {}\nvertex_radius_m = 0.003\n",
             slew);
-        const std::array<const char*, 7> corners{"-0.04, 0",    "0, 0",        "0, -1e-6",
-                                                 "0.04, -1e-6", "0.04, -0.04", "-0.04, -0.04",
-                                                 "-0.04, 0"};
-        for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-            text += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}]\nto_m = [{}]\n",
-                                corners.at(i), corners.at(i + 1));
-        }
-        const auto felt = csv_body(said_of("render", text, table));
+        const std::vector<engine::Vec2> corners{{-0.04, 0},    {0, 0},        {0, -1e-6},
+                                                {0.04, -1e-6}, {0.04, -0.04}, {-0.04, -0.04},
+                                                {-0.04, 0}};
+        const auto felt = csv_body(said_of("render", text + lines_text(corners), table));
         REQUIRE(felt.size() == 160);
         for (std::size_t k = 41; k < felt.size(); ++k) {
             CAPTURE(slew, k);

@@ -40,21 +40,11 @@ void mark_all(const std::string& file, const std::string& friction, int first) {
 
 /// A study of softness, all of whose stimuli are above 0: their logarithms, or mm/N themselves.
 std::string softness_study(const TemporaryFolder& folder, bool logarithms) {
-    std::vector<std::pair<std::string, std::string>> edits{
-        {"compliance_mm_per_n = 1 ", "compliance_mm_per_n = 2.2 "},
-        {"trials = 60", "trials = 12"},
-        {"practice_trials = 4", "practice_trials = 0"},
-        {"from = -0.6, to = 0.6, step = 0.05", "from = 0.05, to = 0.65, step = 0.05"},
-        {"from = -0.3, to = 0.3, step = 0.05", "from = 0.05, to = 0.65, step = 0.05"},
-        {"mean = 0, sd", "mean = 0.34, sd"},
-        {"practice_stimulus = 0.6", "practice_stimulus = 0.65"}};
-    if (!logarithms) {
-        edits.insert(edits.end(),
-                     {{"stimulus_as = \"log10\"", "stimulus_as = \"value\""},
-                      {"from = 0.05, to = 0.65, step = 0.05", "from = 1.2, to = 4, step = 0.2"},
-                      {"from = 0.05, to = 0.65, step = 0.05", "from = 1.2, to = 4, step = 0.2"},
-                      {"mean = 0.34, sd", "mean = 2.2, sd"},
-                      {"practice_stimulus = 0.65", "practice_stimulus = 4"}});
+    std::vector<std::pair<std::string, std::string>> edits;
+    for (const auto& row : test_rows("soft_stimuli.tsv")) {
+        if (row.at(0) == "log" || !logarithms) {
+            edits.emplace_back(row.at(1), row.at(2));
+        }
     }
     const std::string name = logarithms ? "log" : "plain";
     write(folder.file(name + ".toml"), short_text("softness_2afc", edits));

@@ -8,14 +8,8 @@
 
 namespace {
 
-Words words(const std::string& file, const std::string& speed = "0") {
-    return run_words("shape_friction_demo", "P1", file,
-                     {"--headless", "--speed", speed, "--secret", kRunSecret});
-}
-
 std::unique_ptr<Process> started(const std::string& file, const std::string& speed) {
-    return std::make_unique<Process>(command_of(words(file, speed)),
-                                     Words{"DISPLAY", "WAYLAND_DISPLAY"});
+    return std::make_unique<Process>(command_of(demo_words(file, "P1", speed)), kNoDisplay);
 }
 
 /// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.
@@ -48,12 +42,58 @@ std::string answers(const std::string& file) {
                      "FROM analysis_trial WHERE counts ORDER BY plan_position");
 }
 
+/// A pipe with a name and no room left: whoever writes to it waits.
+class FullPipe {
+public:
+    explicit FullPipe(std::string name) : name_(std::move(name)) {
+        REQUIRE(mkfifo(name_.c_str(), 0600) == 0);
+        fd_ = open(name_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+        REQUIRE(fd_ >= 0);
+        const std::string bytes(4096, '.');
+        while (write(fd_, bytes.data(), bytes.size()) > 0) {
+        }
+    }
+    FullPipe(const FullPipe&) = delete;
+    FullPipe& operator=(const FullPipe&) = delete;
+    ~FullPipe() { close(fd_); }
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    /// All that is in it now.
+    [[nodiscard]] std::string taken() const {
+        std::string text;
+        std::string bytes(4096, '.');
+        for (ssize_t got = 0; (got = read(fd_, bytes.data(), bytes.size())) > 0;) {
+            text.append(bytes, 0, static_cast<std::size_t>(got));
+        }
+        return text;
+    }
+
+private:
+    std::string name_;
+    int fd_ = -1;
+};
+
+/// A session with its standard output in the file `out`.
+std::unique_ptr<Process> run_into(const std::string& out,
+                                  const std::string& file,
+                                  const std::string& speed = "0") {
+    return std::make_unique<Process>(
+        joined({"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"", "sh", out},
+               command_of(demo_words(file, "P1", speed))),
+        kNoDisplay);
+}
+
+/// How many trials.
+std::string answered(const std::string& file) {
+    return sql_now(file, "SELECT count(*) FROM response");
+}
+
 }  // namespace
 
 TEST_CASE(
     "kill -9 in the middle of a trial: sound file, finished trials there, the same order goes on") {
     const TemporaryFolder folder;
-    ran(words(folder.file("unbroken.sqlite")));
+    ran(demo_words(folder.file("unbroken.sqlite")));
     const std::string file = folder.file("killed.sqlite");
     for (const int position : {2, 6}) {
         const auto process = run_into_trial(file, position);
@@ -63,7 +103,7 @@ TEST_CASE(
         CHECK(sql_first(file, "PRAGMA integrity_check") == "ok");
         CHECK(answered_traces(file).size() == static_cast<std::size_t>(position));
     }
-    CHECK_THAT(ran(words(file)).out, Has("Resuming at trial 7", "kept as interrupted"));
+    CHECK_THAT(ran(demo_words(file)).out, Has("Resuming at trial 7", "kept as interrupted"));
     // What was answered and felt is that of the unbroken session, to the bit.
     CHECK(answers(file) == answers(folder.file("unbroken.sqlite")));
     const auto broken = answered_traces(file);
@@ -89,7 +129,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
         const auto trace = data::TraceReader(database).read(row.integer(0));
         CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
     }
-    ran(words(file));
+    ran(demo_words(file));
 }
 
 TEST_CASE(
@@ -105,7 +145,7 @@ TEST_CASE(
     const std::string file = folder.file("e.sqlite");
     data::Database theirs(file, data::Access::write);
     const data::Transaction locked(theirs);  // for five seconds it waits to write
-    Process stuck(command_of(words(file)));
+    Process stuck(command_of(demo_words(file)));
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     for (const int wait_ms : {200, 1300}) {
         stuck.signal(SIGINT);
@@ -139,13 +179,13 @@ TEST_CASE("who deletes the log of a running session spoils nobody's session") {
     std::filesystem::remove(file + "-wal");
     std::filesystem::remove(file + "-shm");
     first->signal(SIGSTOP);  // what both wrote would be in two files
-    for (const auto& second : {words(file), {"note", file, "rested", "--participant", "P1"}}) {
+    for (const auto& second : {demo_words(file), {"note", file, "rested", "--participant", "P1"}}) {
         check_end(palpate_command(second), 1, Has("d.sqlite-wal, was deleted", "end that program"));
     }
     first->signal(SIGCONT);
     check_end(first->wait(), 1, Has("d.sqlite.rescued: put that in the place of"));
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
-    ran(words(file));
+    ran(demo_words(file));
     CHECK(std::filesystem::status(file + ".rescued").permissions() ==
           (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
     ran({"verify", file + ".rescued"});
@@ -155,14 +195,14 @@ TEST_CASE("a database put in the place of a running session's is neither read no
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::string other = folder.file("other.sqlite");
-    ran(words(other));
+    ran(demo_words(other));
     const auto running = started(file, "10");
     REQUIRE(running->says("\n#2 "));
     running->signal(SIGSTOP);  // else it ends when it sees that its file was moved
     std::filesystem::rename(file, folder.file("moved.sqlite"));
     std::filesystem::copy_file(other, file);
     for (const auto& second :
-         {words(file), {"note", file, "rested", "--participant", "P1"}, {"status", file}}) {
+         {demo_words(file), {"note", file, "rested", "--participant", "P1"}, {"status", file}}) {
         check_end(palpate_command(second), 1, Has("d.sqlite-wal, is of another database"));
     }
     CHECK(slurp(file) == slurp(other));
@@ -182,7 +222,7 @@ TEST_CASE("a session changed by hand between its runs goes on, and both its ends
                                       "plan_position = 9");
     CAPTURE(edit);
     sql_edit(file, edit);
-    const Finished end = ran(words(file));
+    const Finished end = ran(demo_words(file));
     CHECK_THAT(end.error, Has("changed by hand before it goes on here: 1 seal", "palpate verify"));
     CHECK_THAT(end.out, Has("changed before this run", "Finished."));
     CHECK_THAT(ran({"verify", file}, 1).out, Has("differ"));
@@ -192,7 +232,7 @@ TEST_CASE("two programs cannot run one session at once") {
     const TemporaryFile file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     REQUIRE(process->running());
-    CHECK_THAT(ran(words(file), 1).error, Has("another palpate"));
+    CHECK_THAT(ran(demo_words(file), 1).error, Has("another palpate"));
     CHECK(process->wait().code == 0);  // and the first does not notice
     CHECK(sql_lines(file,
                     "SELECT count(*), sum(outcome <> 'complete'), (SELECT count(*) FROM event "
@@ -203,7 +243,7 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
           "[safety]") {
     const auto elsewhere = [](const Words& command) {
         return Process(joined({"unshare", "--user", "--map-root-user", "--net"}, command),
-                       {"DISPLAY", "WAYLAND_DISPLAY"})
+                       kNoDisplay)
             .wait();
     };
     if (elsewhere({"true"}).code != 0) {
@@ -212,7 +252,7 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
     }
     const TemporaryFile file("d.sqlite");
     const std::string palpate = palpate_program();
-    const Words run = command_of(words(file));
+    const Words run = command_of(demo_words(file));
     const auto first = run_into_trial(file, 1, "2");
     check_end(elsewhere(run), 1, Has("another palpate"));
     check_end(elsewhere({palpate, "stop", file}), 1,
@@ -223,11 +263,9 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
     CHECK_THAT(elsewhere({palpate, "sql", file, "-c", "SELECT 1"}).error,
                Has("a session runs on it"));
     {  // one that can be called hides none that cannot
-        Words beyond{"unshare", "--user", "--map-root-user", "--net", palpate};
-        for (const std::string& word : words(file, "2")) {
-            beyond.push_back(word == "P1" ? "P2" : word);
-        }
-        const Process other(beyond, {"DISPLAY", "WAYLAND_DISPLAY"});
+        const Process other(joined({"unshare", "--user", "--map-root-user", "--net"},
+                                   command_of(demo_words(file, "P2", "2"))),
+                            kNoDisplay);
         REQUIRE(eventually(
             [&] { return sql_now(file, "SELECT 1 FROM trial WHERE session_id = 2") == "1"; }));
         const Finished stop = ran({"stop", file}, 1);
@@ -259,9 +297,40 @@ TEST_CASE("a program that is held up before its first answer keeps its session")
     const auto first = started(file, "0");
     REQUIRE(eventually([&] { return sql_now(file, "SELECT count(*) FROM session") == "1"; }));
     first->signal(SIGSTOP);
-    CHECK_THAT(ran(words(file), 1).error, Has("another palpate"));
+    CHECK_THAT(ran(demo_words(file), 1).error, Has("another palpate"));
     CHECK(first->ended_by(SIGCONT) == 0);
     CHECK(sql_lines(file,
                     "SELECT (SELECT count(*) FROM response), count(DISTINCT plan_position) "
                     "FROM trial") == "10|10\n");
+}
+
+TEST_CASE("a session goes on while nobody reads what it says, and who reads late reads all of it") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const FullPipe pipe(folder.file("pipe"));
+    const auto session = run_into(pipe.name(), file);
+    REQUIRE(eventually([&] { return answered(file) == "10"; }));
+    CHECK_THAT(ran({"status", file}).out, Has("10 of 10 answered"));
+    std::string read;
+    CHECK(eventually([&] {
+        read += pipe.taken();
+        return !session->running();
+    }));
+    read += pipe.taken();
+    CHECK(session->wait().code == 0);
+    CHECK_THAT(read, Has("10 trials", "\n#1 ", "\n#10 ", "Seal ", "Finished."));
+}
+
+TEST_CASE("a session ends as it does, and is stopped, whether or not anybody reads what it says") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const FullPipe pipe(folder.file("pipe"));
+    const auto session = run_into(pipe.name(), file, "10");
+    REQUIRE(eventually([&] { return answered(file) == "2"; }));
+    CHECK_THAT(ran({"stop", file}).out, Has("force"));
+    session->signal(SIGTERM);
+    const std::int64_t asked = monotonic_ns();
+    check_end(session->wait(), 3, Has("nobody read standard output", "are lost"));
+    CHECK(monotonic_ns() - asked < 5000 * kMillisecond);
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
 }

@@ -1,5 +1,5 @@
 #include "tests/support/program.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/scene_text.hpp"
 
 // Scenes whose inside nobody can tell are refused by both commands that read them, at their place.
 
@@ -7,16 +7,10 @@ using engine::Vec2;
 
 namespace {
 
-/// Lines from corner to corner and back, clockwise; the last ends at `last`. Each table has four
-/// lines.
-std::string lines_through(const std::vector<Vec2>& corners, const Vec2& last) {
-    std::string text;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vec2& to = i + 1 < corners.size() ? corners[i + 1] : last;
-        text += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}, {}]\nto_m = [{}, {}]\n",
-                            corners[i].x, corners[i].y, to.x, to.y);
-    }
-    return text;
+/// Lines from corner to corner and back, clockwise; the last ends at `last`.
+std::string lines_through(std::vector<Vec2> corners, const Vec2& last) {
+    corners.push_back(last);
+    return lines_text(corners);
 }
 
 /// What both commands say of a scene; empty where they take it.
@@ -51,13 +45,6 @@ std::vector<Vec2> ring(Random& random, std::size_t corners, double size) {
         ring.push_back(Vec2{radius * std::cos(angle), radius * std::sin(angle)});
     }
     return ring;
-}
-
-std::string surface(const std::string& points, const char* knots_u, int degree_u) {
-    return fmt::format(
-        "[[surface]]\ndegree_u = {}\ndegree_v = 1\nknots_u = {}\nknots_v = [0, 0, 1, 1]\npoints_m "
-        "= [{}]\n",
-        degree_u, knots_u, points);
 }
 
 }  // namespace
@@ -104,12 +91,9 @@ TEST_CASE("curves that cross beside their vertex are refused, however near to ea
     // it, half a micrometre or less lies between, but a wedge beyond the tip, of any length, would
     // push a hand in free air.
     const auto spike = [](double bend) {
-        return fmt::format(
-            "[[segment]]\nkind = \"line\"\nfrom_m = [-0.03, 0]\nto_m = [0.03, 0]\n[[segment]]\n"
-            "kind = \"nurbs\"\ndegree = 2\nknots = [0, 0, 0, 1, 1, 1]\n"
-            "points_m = [[0.03, 0], [0.0275, {}], [-0.03, -0.02]]\n"
-            "[[segment]]\nkind = \"line\"\nfrom_m = [-0.03, -0.02]\nto_m = [-0.03, 0]\n",
-            bend);
+        return line_text({-0.03, 0.0}, {0.03, 0.0}) +
+               segment_text(bezier_data({{0.03, 0.0}, {0.0275, bend}, {-0.03, -0.02}})) +
+               line_text({-0.03, -0.02}, {-0.03, 0.0});
     };
     both_say(spike(-1e-4), "", kPlanePoints);
     for (const double bend : {3e-4, 1e-4, 1e-5, 1e-6}) {
@@ -121,24 +105,20 @@ TEST_CASE("a surface with a collapsed span is refused, however it lies in space"
     SEEDED(random, 4U, 2906U);
     // Rows of two points; the second row repeats the first where it is asked to.
     const bool full_knots = seed % 2U == 1U;
-    const auto rows = [&random](std::size_t count, std::size_t repeated) {
-        std::string text;
-        std::string row;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (i == 0 || i != repeated) {
-                const auto p = [&] {
-                    return fmt::format("{}", random.in(-0.002, 0.002));
-                };
-                const double x = 0.03 * static_cast<double>(i);
-                row = fmt::format("[[{0}, {1}, {2}], [{0}, 0.05, {3}]]", x, p(), p(), p());
-            }
-            text += (i == 0 ? "" : ", ") + row;
-        }
-        return text;
-    };
     const auto scene = [&](std::size_t repeated) {
-        return full_knots ? surface(rows(4, repeated), "[0, 0, 1, 2, 3, 3]", 1)
-                          : surface(rows(3, repeated), "[0, 0, 0.5, 1, 1]", 1);
+        SurfaceData sheet{.knots_v = {0, 0, 1, 1}};
+        sheet.knots_u = full_knots ? std::vector<double>{0, 0, 1, 2, 3, 3}
+                                   : std::vector<double>{0, 0, 0.5, 1, 1};
+        for (std::size_t i = 0; i + 2 < sheet.knots_u.size(); ++i) {
+            const double x = 0.03 * static_cast<double>(i);
+            const auto p = [&] {
+                return random.in(-0.002, 0.002);
+            };
+            sheet.points.push_back(i > 0 && i == repeated
+                                       ? sheet.points.back()
+                                       : std::vector<engine::Vec3>{{x, p(), p()}, {x, 0.05, p()}});
+        }
+        return surface_text(sheet);
     };
     both_say(scene(1), "1:1: [[surface]] 1: the patch with u from 0 to ", kSpacePoints);
     both_say(scene(0), "", kSpacePoints);
@@ -151,29 +131,11 @@ TEST_CASE("what is wrong with a scene is said at its place, and what its law doe
     // What no object can be made of is refused by render, as in a protocol.
     const TemporaryFolder folder;
     write(folder.file("p.csv"), kPlanePoints);
-    const auto line = [](double x0, double y0, double x1, double y1) {
-        return lines_through({{x0, y0}}, {x1, y1});
-    };
-    const std::string soft = "[renderer]\ncompliance_m_per_n = 0.001\n";
-    for (const auto& [text, sentence] : std::vector<std::pair<std::string, std::string>>{
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0),
-              "5:1: segment 2 starts 0.0001 m "},
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.01, 0),
-              "5:1: the outline runs back along "
-              "itself where segment 2 starts"},
-             {line(-0.04, 0, 0.04, 0) + line(0.04, 0, 0.05, 0.01) +
-                  "[[segment]]\nkind = \"nurbs\"\ndegree = 1\nknots = [0, 0, 1, 1]\npoints_m = "
-                  "[[0.05, 0.01], [0.05, 0.01]]\n",
-              "9:1: segment 3 is a mere point"},
-             {soft + line(-0.04, 0, 0.04, 0) + line(0.04, 1e-4, 0.06, 0) +
-                  line(0.06, 0, 0.06, -0.01),
-              "7:1: segment 2 starts 0.0001 m "},
-             {soft + line(-0.04, 0, 0.04, 0),
-              "2:22: a compliance is for two curves on a base line"}}) {
-        write(folder.file("s.toml"), text);
-        CAPTURE(text);
+    for (const auto& row : test_rows("no_object_problems.tsv")) {
+        write(folder.file("s.toml"), row.at(0));
+        CAPTURE(row);
         check_end(palpate_command({"render", folder.file("s.toml"), folder.file("p.csv")}), 2,
-                  Has(folder.file("s.toml") + ":" + sentence));
+                  Has(folder.file("s.toml") + ":" + row.at(1)));
     }
 }
 
@@ -203,15 +165,15 @@ TEST_CASE("a walk that breaks off beside the centre of a sphere is unproven, and
     const double radius = 0.05;
     const double c = std::cos(0.4);
     const double s = std::sin(0.4);
-    std::string points;
-    std::string weights;
+    const std::vector<double> knots{0, 0, 0, 1, 1, 1};
+    SurfaceData patch{.degree_u = 2, .degree_v = 2, .knots_u = knots, .knots_v = knots};
     for (const int i : {-1, 0, 1}) {  // the exact patch, its middle in the origin
         const double x = i * radius * s;
         const double r = i == 0 ? radius / c : radius * c;
-        points += fmt::format("[[{0}, {1}, {2}], [{0}, 0, {3}], [{0}, {4}, {2}]], ", x, -r * s,
-                              r * c - radius, r / c - radius, r * s);
-        weights +=
-            i == 0 ? fmt::format("[{}, {}, {}], ", c, c * c, c) : fmt::format("[1, {}, 1], ", c);
+        const double outer = i == 0 ? c : 1.0;
+        patch.points.push_back(
+            {{x, -r * s, r * c - radius}, {x, 0.0, r / c - radius}, {x, r * s, r * c - radius}});
+        patch.weights.push_back({outer, outer * c, outer});
     }
     std::string path = "t_s,x_m,y_m,z_m\n";
     for (int k = 0; k < 400; ++k) {  // in, and about the centre
@@ -220,11 +182,7 @@ TEST_CASE("a walk that breaks off beside the centre of a sphere is unproven, and
                             k < 200 ? 0.002 : about * std::cos(5.0 * k),
                             k < 200 ? 0.01 - 0.0003 * k : -radius + about * std::sin(3.0 * k));
     }
-    const std::string scene =
-        "[friction]\nlaw = \"frictionless\"\n[[surface]]\ndegree_u = 2\n"
-        "degree_v = 2\nknots_u = [0, 0, 0, 1, 1, 1]\nknots_v = [0, 0, 0, "
-        "1, 1, 1]\npoints_m = [" +
-        points + "]\nweights = [" + weights + "]\n";
+    const std::string scene = "[friction]\nlaw = \"frictionless\"\n" + surface_text(patch);
     int unproven = 0;
     for (const Words& tick : csv_body(said_of("render", scene, path))) {
         CAPTURE(tick[0]);

@@ -101,14 +101,7 @@ std::vector<Words> judged(const TemporaryFolder& folder, const Kind& kind) {
     }
     CAPTURE(done.error);
     REQUIRE(done.code == 0);
-    std::vector<Words> lines;
-    std::istringstream text(done.out);
-    for (std::string what, file, verdict; std::getline(text, what, '\t') &&
-                                          std::getline(text, file, '\t') &&
-                                          std::getline(text, verdict);) {
-        lines.push_back({what, file, verdict});
-    }
-    return lines;
+    return csv_rows(done.out, '\t');
 }
 
 }  // namespace

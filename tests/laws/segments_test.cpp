@@ -1,7 +1,7 @@
 #include <cctype>
 
-#include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/scene_text.hpp"
 
 using engine::Vec2;
 
@@ -43,15 +43,7 @@ const std::vector<NurbsData<2>> kHill{
 std::string hill_tables(const std::string& head) {
     std::string text;
     for (const NurbsData<2>& segment : kHill) {
-        std::string points;
-        for (const Vec2& p : segment.points) {
-            points += fmt::format("[{}, {}], ", p.x, p.y);
-        }
-        text += fmt::format(
-            "[[{}]]\nkind = \"nurbs\"\ndegree = {}\nknots = [{}]\npoints_m = [{}]\nweights = "
-            "[{}]\n",
-            head, segment.degree, fmt::join(segment.knots, ", "), points,
-            fmt::join(segment.weights, ", "));
+        text += segment_text(segment, head);
     }
     return text;
 }
@@ -59,19 +51,13 @@ std::string hill_tables(const std::string& head) {
 const std::string kHills = test_text("hills.toml");
 
 std::string scene_text(const Row& trial) {
-    constexpr const char* kArc =
-        "[[segment]]\nkind = \"arc\"\nfrom_m = {}\nto_m = {}\ncurvature_per_m = 8\n";
-    const std::string curves =
-        fmt::format(kArc, "[-0.04, 0.0]", "[0.0, 0.04]") +
-        fmt::format(kArc, "[0.0, 0.04]", "[0.04, 0.0]") +
-        "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n";
     const bool rubs = trial.at("friction") == "on";
     return fmt::format(
                "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = {}\n"
                "vertex_slew_m_per_s = 0.2\nvertex_radius_m = 0.003\n",
                rubs ? "\"gos\"\nmu_s = 0.7\nmu_d = 0.5\ntau_slip_s = 0.02\ntau_heal_s = 0.1"
                     : "\"frictionless\"") +
-           (trial.at("object") == "hill" ? hill_tables("segment") : curves);
+           (trial.at("object") == "hill" ? hill_tables("segment") : two_arcs_text(8.0));
 }
 
 /// The point of a segment of the hill, from the definition of a NURBS.
@@ -193,9 +179,8 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
 
 TEST_CASE("sample, render, the views and BIDS name the same segment of a form of many spans") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");
-    ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
+    write(folder.file("p.toml"), kHills + hill_tables("object.segment"));
+    const std::string file = run_by({"P1"}, folder.file("p.toml"), folder.file("a.sqlite"));
     const std::vector<Row> trials = rows_of(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "

@@ -1,9 +1,14 @@
 #include "protocols/library/shipped.hpp"
+#include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/rig_file.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
 namespace {
+
+const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
 
 struct Short {
     const char* name;
@@ -12,13 +17,6 @@ struct Short {
     std::int64_t intervals;
     std::int64_t steps;
 };
-
-/// A shipped protocol with the edits made, in a file of its own.
-std::string written(const TemporaryFolder& folder, const Short& one) {
-    const std::string file = folder.file("p.toml");
-    std::ofstream(file) << short_text(one.name, one.edits);
-    return file;
-}
 
 }  // namespace
 
@@ -36,7 +34,7 @@ TEST_CASE(
                  Short{"stress", {{"repetitions = 50", "repetitions = 1"}}, 6, 6, 0});
     CAPTURE(one.name);
     const TemporaryFolder folder;
-    const std::string file = written(folder, one);
+    const std::string file = write(folder.file("p.toml"), short_text(one.name, one.edits));
     const std::string db = folder.file("a.sqlite");
     const Finished sequence = ran({"sequence", file, "--participant", "P1", "--csv"});
     CHECK(std::count(sequence.out.begin(), sequence.out.end(), '\n') == one.trials + 1);
@@ -57,4 +55,102 @@ TEST_CASE(
                count(database, "trial WHERE worst_episode_j > 0") == 0));
     }
     CHECK_THAT(ran({"verify", db}).out, Has("Nothing differs"));
+}
+
+TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit") {
+    const RunFile file(kForms);
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
+    // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
+    check_truths(file, "free_form_truths.tsv");
+    CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
+}
+
+TEST_CASE("whoever is counted, the order of friction blocks is verified as it was") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string study = folder.file("p.toml");
+    std::filesystem::copy_file(kForms, study);
+    std::ofstream(study, std::ios::app)  // short trials: their order is what counts
+        << "[timing]\nexplore_min_s = 0.1\nexplore_prompt_s = 0.2\nexplore_timeout_s = 0.3\n";
+    for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
+        run_by({code}, study, file);
+        // As if people had felt it: only they count for the next one's order.
+        sql_edit(file, "UPDATE session SET session_kind = 'real'");
+    }
+    CHECK(sql_first(
+              file,
+              "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = 'main' "
+              "AND block = 0 GROUP BY friction)") == "12,12");
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out);
+    CHECK_THAT(verified.out, !Has("plan_sha256"));
+}
+
+TEST_CASE("another outline under the same name is found by its hash") {
+    const RunFile file(kForms);
+    sql_edit(file, "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
+    CHECK_THAT(ran({"verify", file}, 1).out, Has("dome"));
+}
+
+TEST_CASE("sequence and check show friction blocks and free forms") {
+    const TemporaryFile sheet("o.svg");
+    CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
+               Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
+    CHECK_THAT(slurp(sheet), Has("free form, 80", "dome"));
+    CHECK_THAT(ran({"sequence", kForms, "--participant", "P1"}).out,
+               Has("friction blocks: row", "of 2 of the"));
+    CHECK_THAT(palpate_command({"sequence", kForms, "--participant", "P1", "--csv"}).out,
+               Has(",dome,,o"));
+    CHECK_THAT(palpate_command({"new", "--keys"}).out,
+               Has("[[object.segment]]", "five_shapes", "friction_blocks", "catch_correct_min"));
+}
+
+TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    ran({"participant", file, "L1", "--new", "--handedness=-60"});
+    const Words run = run_words("shape_friction", "L1", file,
+                                {"--device", "haply:/nonexistent", "--calibration",
+                                 commissioned_rig(folder, "haply:/nonexistent")});
+    check_end(unseen(run), 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
+    CHECK(sql_first(file, "SELECT count(*) FROM session") == "0");
+}
+
+TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick") {
+    const RunFile file("shape_friction");
+    data::Database database(file, data::Access::read);
+    CHECK(lines(database,
+                "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial "
+                "WHERE counts AND phase = 'main' GROUP BY planned_object, friction)") ==
+          "10 10 10 \n");
+    CHECK(lines(database,
+                "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE "
+                "counts") == "10 4 \n");
+
+    auto trial = database.prepare("SELECT trial_id, friction FROM analysis_trial WHERE counts");
+    int outside = 0;
+    int inside = 0;
+    int unlawful = 0;
+    double excess = -1.0;
+    double highest_mu = 0.0;
+    while (trial.step()) {
+        const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
+        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
+            if (tick.mode == engine::Mode::free) {
+                ++outside;
+                unlawful += tick.force == engine::Vec3{} && tick.command == engine::Vec3{} ? 0 : 1;
+                continue;
+            }
+            ++inside;
+            excess = std::max(excess, std::fabs(tick.tangential_force) - mu_s * tick.normal_force);
+            highest_mu = std::max(highest_mu, tick.mu);
+            const bool within = glm::length(tick.command) <= 10.0 * (1.0 + 1e-12);
+            unlawful += tick.normal_force >= 0.0 && within ? 0 : 1;
+        }
+    }
+    CHECK(unlawful == 0);
+    CHECK(outside > 10'000);
+    CHECK(inside > 10'000);
+    CHECK(excess <= 1e-9);
+    CHECK(highest_mu <= 0.7);
 }

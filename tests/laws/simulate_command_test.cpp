@@ -167,33 +167,24 @@ TEST_CASE("a file that is whole is left, and one of something else is refused") 
     ran(same);
     const std::string bytes = slurp(file);
     CHECK_THAT(ran(same).out, Has("already done"));
-    refused(simulate({"--db", file, "--no-traces"}, "3"), "2 participants other than the 3");
-    refused(simulate({"--db", file, "--no-traces", "--shard", "0/2"}, "4"), "other than the 2");
-    refused(simulate({"--db", file}, "2"), "without ticks");
-    refused(simulate({"--db", file, "--no-traces", "--seed", "99"}, "2"), "another seed (3)");
-    refused({"simulate", kFourTrials, "--participants", "2", "--no-traces", "--db", file},
-            "another observer");
-    refused({"simulate", "pilot", "--participants", "2", "--observer", "typical", "--no-traces",
-             "--db", file},
-            "another protocol");
-    refused(simulate({}, "2"), "give --db FILE, or -o FOLDER");
-    refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "2/2"}), "--shard 2/2");
-    refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "3/4"}, "2"), "none of the 2");
     write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
-    refused({"simulate", kFourTrials, "--observer", folder.file("bad.toml"), "--db", file},
-            "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
+    for (const auto& row : test_rows("simulate_refusals.tsv")) {
+        refused(words_of("simulate", row.at(0),
+                         {{"{study}", kFourTrials},
+                          {"{quick}", people_file()},
+                          {"{db}", file},
+                          {"{new}", folder.file("n.sqlite")},
+                          {"{bad}", folder.file("bad.toml")}}),
+                row.at(1));
+    }
     CHECK(slurp(file) == bytes);
 
     CHECK_THAT(ran({"verify", file}).out, Has("0 ticks replayed, nothing differs"));
     ran({"summary", file});
 
     // SQLite would take such a name for a URI, and write another file.
-    const Finished named = Process({"sh", "-c",
-                                    "cd \"$1\" && exec \"$0\" simulate pilot --participants 1 "
-                                    "--no-traces --db file:u.sqlite",
-                                    palpate_program(), folder.path().string()})
-                               .wait();
-    CHECK(named.code == 0);
+    ended(shell("\"$0\" simulate pilot --participants 1 --no-traces --db file:u.sqlite",
+                folder.path()));
     CHECK(slurp(folder.file("file:u.sqlite")).starts_with("SQLite format 3"));
 }
 

@@ -138,9 +138,7 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words") {
     std::ofstream(file)
         << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
            "two;\n.columns analysis_trial\nSELECT 3 AS last";
-    const Finished done = Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate_program(),
-                                   demo_file(), file})
-                              .wait();
+    const Finished done = shell("exec \"$0\" sql \"$1\" <\"$2\"", "/", {demo_file(), file});
     CHECK(done.code == 1);  // one of them failed
     CHECK_THAT(done.error, Has("palpate: 5:8: no such column: fnord"));
     CHECK_THAT(done.out, Has("analysis_trial", "virtual table", "n\n--\n10\n", "two\n---\n  2\n",
@@ -151,10 +149,8 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words") {
 }
 
 TEST_CASE("a byte of value 0 ends the shell with a sentence") {
-    const Finished done =
-        Process({"sh", "-c", "printf 'SELECT 3 AS last;\\0SELECT 4;' | timeout 9 \"$0\" sql \"$1\"",
-                 palpate_program(), demo_file()})
-            .wait();
+    const Finished done = shell(
+        "printf 'SELECT 3 AS last;\\0SELECT 4;' | timeout 9 \"$0\" sql \"$1\"", "/", {demo_file()});
     CHECK(done.code == 1);
     CHECK(done.out == "last\n----\n   3\n");
     CHECK(done.error == "palpate: a byte of value 0 is no SQL: take it away\n");

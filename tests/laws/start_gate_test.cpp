@@ -1,5 +1,6 @@
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/short_text.hpp"
 
 // Where a trial begins, and how a question ends that nobody answers: the shipped program in a
 // window.
@@ -28,10 +29,6 @@ struct Gated : WindowSession {
             replaced(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"));
     }
 };
-
-std::string shipped(const std::string& name) {
-    return slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
-}
 
 /// Presses Space at Ready for some time. @return nothing began
 bool stays_ready(WindowSession& session) {
@@ -76,10 +73,8 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[win
     for (const Words& second :  // the port has its program
          {run_words(folder.file("p.toml"), "P2", folder.file("second.sqlite"), {"--kind", "pilot"}),
           Words{"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
-        const Words words =
-            joined(command_of(second), {"--device", board.word(), "--calibration", "2diy_gen3"});
-        check_end(Process(words, {"SDL_VIDEODRIVER=dummy"}).wait(), 1,
-                  Has("in use by another program, palpate"));
+        check_end(unseen(joined(second, {"--device", board.word(), "--calibration", "2diy_gen3"})),
+                  1, Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
     CHECK(session.ask("SELECT min(abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < "
@@ -88,10 +83,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else", "[win
     CHECK_THAT(ended(session.finish(), 3).out, Has("four_trials: pilot, participant P1"));
     // It is a pilot: that is said before another device is looked for.
     const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
-    const Words as_real =
-        command_of(run_words(folder.file("p.toml"), "P1", file,
-                             {"--device", "haply:/nonexistent", "--calibration", rig}));
-    check_end(Process(as_real, {"SDL_VIDEODRIVER=dummy"}).wait(), 2,
+    const Words as_real = run_words(folder.file("p.toml"), "P1", file,
+                                    {"--device", "haply:/nonexistent", "--calibration", rig});
+    check_end(unseen(as_real), 2,
               Has("is a pilot session; it cannot go on as real", "--kind it was begun with",
                   "--session 2"));
 }
@@ -116,7 +110,7 @@ TEST_CASE(
     "[window][haply]") {
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
-    Gated session(folder, *board, shipped("softness_2afc"));
+    Gated session(folder, *board, short_text("softness_2afc"));
     const auto replugged = [&] {
         const std::string back =
             session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
@@ -167,7 +161,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     const TemporaryFolder folder;
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
-    Gated session(folder, board, shipped("patch_friction"), kGantry);
+    Gated session(folder, board, short_text("patch_friction"), kGantry);
     for (const char* beside : {"8,0,40", "0,-8,40", "0,0,48"}) {
         CAPTURE(beside);
         board.bring(beside);

@@ -76,32 +76,9 @@ void no_stats(const Words& words, const std::string& why) {
     refused(joined({"stats"}, words), why);
 }
 
-/// What the script prints against the JSON; how many numbers of each kind there were.
+/// A name of a person holds what parts the script's numbers.
 std::map<std::string, int> compare(const std::string& printed, const Json& ours) {
-    std::map<std::string, int> kinds;
-    for (const std::string& line : lines_in(printed)) {
-        const std::size_t tab = line.find('\t');
-        REQUIRE(tab != std::string::npos);
-        const std::string printed_place = line.substr(0, tab);
-        const std::string place = printed_place.find('\\') == std::string::npos
-                                    ? printed_place
-                                    : replaced(printed_place, "P\\t04\\n", "P\t04\n");
-        CAPTURE(line);
-        REQUIRE(ours.contains(Json::json_pointer(place)));
-        const Json& number = ours.at(Json::json_pointer(place));
-        REQUIRE(number.is_number());
-        const bool mixed = place.find("/mixed_model/") != std::string::npos;
-        const bool spread = place.find("_se") != std::string::npos ||
-                            place.find("/sd_") != std::string::npos ||
-                            place.find("/correlation") != std::string::npos;
-        const double wanted = std::stod(line.substr(tab + 1));
-        const double share = !mixed ? 2e-8 : spread ? 2e-3 : 2e-4;
-        CHECK(number.get<double>() == Approx(wanted).epsilon(share).margin(mixed ? 2e-5 : 1e-9));
-        ++kinds[place.substr(place.find_last_of('/') + 1)];
-        ++kinds[mixed ? (place.find("laplace") == std::string::npos ? "of the grid" : "of lme4")
-                      : "of base R"];
-    }
-    return kinds;
+    return compare_with_r(printed, ours, {{"P\\t04\\n", "P\t04\n"}});
 }
 
 }  // namespace
@@ -129,13 +106,10 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
                            "--emit-r", folder.file("again_yes.R")});
     const Json right = with({folder.file("right.csv"), "--emit-r", folder.file("again_right.R")});
     // One R for all: to load lme4 takes longer than all else.
-    const Finished r = ended(
-        Process(
-            {"sh", "-c",
-             "cd '" + folder.path().string() +
-                 "' && Rscript -e \"for (s in c('again', 'again_yes', "
-                 "'again_right')) { sink(paste0(s, '.out')); source(paste0(s, '.R')); sink() }\""})
-            .wait());
+    ended(shell(
+        "Rscript -e \"for (s in c('again', 'again_yes', 'again_right')) { sink(paste0(s, '.out')); "
+        "source(paste0(s, '.R')); sink() }\"",
+        folder.path()));
     auto kinds = compare(slurp(folder.file("again.out")), ours);
     CHECK(kinds["of base R"] > 500);
     CHECK(kinds["of the grid"] == 14);
@@ -299,10 +273,8 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     write(folder.file("p.toml"), protocol +
                                      "\n[response]\nconfidence = true\n\n[exclusion]\n"
                                      "share_correct_min = 0.7\n");
-    const std::string file = folder.file("a.sqlite");
-    for (const char* person : {"Ada", "Bob", "Cem"}) {
-        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
-    }
+    const std::string file =
+        run_by({"Ada", "Bob", "Cem"}, folder.file("p.toml"), folder.file("a.sqlite"));
     no_stats({file},
              "has no answer of identification or yes-no without a rule in real sessions: --kind "
              "chooses");

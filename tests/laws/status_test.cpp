@@ -56,8 +56,7 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
 TEST_CASE("whatever shows stimuli and answers of a file says once that a session runs on it",
           "[live]") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
+    const std::string file = run_by({"P1"}, kFourTrials, folder.file("d.sqlite"));
     const std::vector<Words> all{
         {"summary", file},
         {"sql", file, "-c", "SELECT planned_object FROM plan"},

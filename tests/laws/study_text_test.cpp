@@ -71,3 +71,42 @@ TEST_CASE("a file that says otherwise how ticks are written is not merged") {
         CHECK_FALSE(std::filesystem::exists(all));
     }
 }
+
+TEST_CASE("no table, order or reference of a lab's is in the way of a command") {
+    const LabFiles files;
+    const std::string page = files.folder.file("r.html");
+    const std::string shared = files.folder.file("shared");
+    for (const auto& row : test_rows("edits/lab_tables.tsv")) {
+        const std::string& sql = row.at(0);
+        const std::string file = files.with(sql);
+        const std::string merged = files.folder.file("merged.sqlite");
+        for (const std::string& made : {merged, page, shared}) {
+            std::filesystem::remove_all(made);
+        }
+        for (const Words& words :
+             std::vector<Words>{files.run(file, "P02"),
+                                {"summary", file},
+                                {"stats", file, "--kind", "simulated", "--permutations", "0",
+                                 "--simulations", "0"},
+                                {"export", file, "--kind", "all", "-o", shared},
+                                {"report", file, "--kind", "simulated", "-o", page, "--simulations",
+                                 "0", "--bootstrap", "0"},
+                                {"sql", file, "-c", "SELECT count(*) FROM sample"},
+                                {"merge", merged, file},
+                                {"verify", file}}) {
+            CAPTURE(sql, words.front());
+            CHECK(ran(words).error.empty());
+        }
+        if (row.at(1).empty()) {
+            continue;
+        }
+        // What cannot be done is said by name, and nothing is half done.
+        const std::string before = lab_sqlite(file, ".dump");
+        const Finished done =
+            palpate_command({"participant", file, "demo", "--destroy", "everything", "--yes"});
+        CAPTURE(sql, done.out, done.error);
+        CHECK(done.code != 0);
+        CHECK_THAT(done.error, Has(row.at(1)));
+        CHECK(lab_sqlite(file, ".dump") == before);
+    }
+}

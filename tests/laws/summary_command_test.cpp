@@ -155,10 +155,9 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const auto& [rule, kind] = kRules[index];
     CAPTURE(rule);
     const TemporaryFolder folder;
-    std::ofstream(folder.file("p.toml"))
-        << adaptive_text(test_text(fmt::format("procedures/rule_{}.toml", rule)), kind);
-    const std::string file = folder.file("a.sqlite");
-    ran(run_words(folder.file("p.toml"), "P1", file, {"--device", "sim"}));
+    write(folder.file("p.toml"),
+          adaptive_text(test_text(fmt::format("procedures/rule_{}.toml", rule)), kind));
+    const std::string file = run_by({"P1"}, folder.file("p.toml"), folder.file("a.sqlite"));
     // A mark made later: its answer is left out here and there.
     const std::string trial =
         sql_first(file,

@@ -1,5 +1,5 @@
 #include "tests/support/program.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace {
 
@@ -7,11 +7,10 @@ const std::string kFelt = test_text("scenes/felt.toml");
 
 /// x from `from` to `to`, y from -0.05 to 0.05, z = slope x.
 std::string plate(double from, double to, double slope, const std::string& more = "") {
-    return fmt::format(
-        "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, 1, 1]\n"
-        "points_m = [[[{0}, -0.05, {1}], [{0}, 0.05, {1}]], [[{2}, -0.05, {3}], [{2}, 0.05, "
-        "{3}]]]\n{4}",
-        from, slope * from, to, slope * to, more);
+    const auto border = [slope](double x) {
+        return std::vector<engine::Vec3>{{x, -0.05, slope * x}, {x, 0.05, slope * x}};
+    };
+    return plate_text(border(from), border(to)) + more;
 }
 
 }  // namespace

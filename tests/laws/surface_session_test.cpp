@@ -1,8 +1,3 @@
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
-#include "protocols/protocol/protocol.hpp"
-#include "protocols/trial/trial_scene.hpp"
-#include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/sql_first.hpp"
@@ -50,48 +45,7 @@ TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it
 }
 
 TEST_CASE("what sample says of surfaces is what their geometry and laws ask for") {
-    for (const auto& query : test_rows("surface_truths.tsv")) {
-        CAPTURE(query);
-        CHECK(sql_row(recorded().file, query.at(0)) == "1");
-    }
-}
-
-TEST_CASE(
-    "recorded forces on surfaces come back to the bit from the database alone, and again on a "
-    "replayed hand") {
-    const Recorded& session = recorded();
-    data::Database database(session.file, data::Access::read);
-    auto text = database.first("SELECT protocol_toml FROM study");
-    const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
-    auto trial = database.prepare(
-        "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
-    int replayed = 0;
-    while (trial.step()) {
-        const auto find = [](const auto& list, const std::string& name) {
-            return *std::find_if(list.begin(), list.end(),
-                                 [&](const auto& one) { return one.name == name; });
-        };
-        engine::FeltScene scene = protocols::make_felt_scene(
-            protocol, {.object = find(protocol.objects, trial.text(1)),
-                       .friction = find(protocol.frictions, trial.text(2))});
-        scene.restore_decay({trial.real(3), trial.real(4)});
-        engine::SurfaceState state;
-        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
-            const engine::SurfaceContact contact = scene.space()->tick(state, tick.hip);
-            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0);
-            REQUIRE((contact.mode == tick.mode && contact.go_v == tick.v));
-            ++replayed;
-        }
-    }
-    CHECK(replayed > 40'000);
-
-    const std::string again = session.folder.file("again.sqlite");
-    ran(run(session.protocol, again, "replay:" + session.file));
-    const char* const forces =
-        "SELECT trial_id, count(*), sum(rendered_x_n), sum(rendered_y_n), sum(rendered_z_n), sum(u "
-        "* v) FROM sample WHERE tick < 3000 GROUP BY trial_id";
-    CHECK(palpate_command({"sql", again, "-c", forces}).out ==
-          palpate_command({"sql", session.file, "-c", forces}).out);
+    check_truths(recorded().file, "surface_truths.tsv");
 }
 
 TEST_CASE("an export of surfaces has every coordinate") {

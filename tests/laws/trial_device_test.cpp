@@ -46,8 +46,7 @@ Finished typed(const Words& words, const char* keys) {
 
 /// A session on a device that is broken off after its first answer.
 void break_off(const std::string& file, const std::string& device) {
-    Process process(command_of(words(file, device, {"--speed", "10"})),
-                    {"DISPLAY", "WAYLAND_DISPLAY"});
+    Process process(command_of(words(file, device, {"--speed", "10"})), kNoDisplay);
     CHECK(eventually([&] {
         return !process.running() || sql_now(file, "SELECT count(*) > 0 FROM response") == "1";
     }));

@@ -36,7 +36,7 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
     const Words command = joined({palpate_program()}, words);
     for (int run = 1; run <= 2; ++run) {
         CAPTURE(run);
-        Process program(command, {"DISPLAY", "WAYLAND_DISPLAY"});
+        Process program(command, kNoDisplay);
         REQUIRE(eventually([&] {
             return !program.running() ||
                    sql_now(file,

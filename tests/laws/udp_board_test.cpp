@@ -9,27 +9,6 @@
 
 namespace {
 
-std::string doctor(const TemporaryFolder& folder,
-                   const std::string& device,
-                   const std::string& calibration) {
-    const std::string out =
-        palpate_command({"doctor", "--device", "board:" + device, "--calibration", calibration,
-                         "--seconds", "0.05", "--json", "--db", folder.file("d.sqlite")})
-            .out;
-    return out.substr(0, out.find("kinematics"));
-}
-
-/// A busy machine may leave the device without its turn: then once more.
-std::string doctor_in_the_end(const TemporaryFolder& folder,
-                              const std::string& device,
-                              const std::string& calibration) {
-    std::string said;
-    for (int i = 0; i < 20 && said.find("answers after") == std::string::npos; ++i) {
-        said = doctor(folder, device, calibration);
-    }
-    return said;
-}
-
 /// What no host sends: any bytes, a 01 and no CRC behind it, or a right body with one wrong bit.
 std::vector<std::uint8_t> spoilt(std::mt19937& rng) {
     const auto below = [&](std::size_t n) {
@@ -79,15 +58,16 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     std::string device = emulator.out();
     device.pop_back();
     CHECK_THAT(device, StartsWith("udp:127.0.0.1:"));
-    CHECK_THAT(doctor_in_the_end(folder, device, "2diy_gen3"),
+    CHECK_THAT(doctored(folder, "board:" + device, "2diy_gen3", "answers after"),
                Has("its own watchdog stops it after 20 ms"));
     CHECK(emulator.ended_by(SIGINT) == 0);
-    CHECK_THAT(doctor(folder, device, "2diy_gen3"), Has("does the device's program run there"));
+    CHECK_THAT(doctored(folder, "board:" + device, "2diy_gen3"),
+               Has("does the device's program run there"));
 
     const std::string port = std::to_string(free_port());
     const Process example({PALPATE_UDP_DEVICE, port});
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
-    CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
+    CHECK_THAT(doctored(folder, "board:udp:127.0.0.1:" + port, calibration, "answers after"),
                Has("its own watchdog stops it after 20 ms"));
     CHECK(Process({PALPATE_UDP_DEVICE, port}).wait().code == 2);  // taken
 }
@@ -115,15 +95,15 @@ TEST_CASE(
         }
     });
     CHECK(eventually([&] {
-        return doctor(folder, "udp:127.0.0.1:" + port, calibration)
+        return doctored(folder, "board:udp:127.0.0.1:" + port, calibration)
                    .find("another program speaks to the board") != std::string::npos;
     }));
     whole = false;  // a HELLO without a right CRC makes nobody the host
-    CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
+    CHECK_THAT(doctored(folder, "board:udp:127.0.0.1:" + port, calibration, "answers after"),
                Has("its own watchdog stops it after 20 ms"));
     there = false;
     stranger.join();
-    CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
+    CHECK_THAT(doctored(folder, "board:udp:127.0.0.1:" + port, calibration, "answers after"),
                Has("its own watchdog stops it after 20 ms"));
 }
 

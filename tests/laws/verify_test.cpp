@@ -124,18 +124,12 @@ TEST_CASE("a row that is gone is reported") {
                                     "trace_chunk", "trace_column"}) {
         for (int i = 0; i < 8; ++i) {
             Random random(static_cast<std::uint64_t>(i));
-            const Undone undone(database);
-            const std::int64_t row = a_row(database, table, random);
-            database.run(fmt::format("DELETE FROM {} WHERE rowid = ?1", table), row);
-            CAPTURE(table, row);
-            CHECK(data::verify(database).count(FindingKind::differs) > 0);
+            check_seen(database, fmt::format("DELETE FROM {} WHERE rowid = {}", table,
+                                             a_row(database, table, random)));
         }
     }
     for (const std::string& gone : lines_in(test_text("edits/gone.sql"))) {
-        const Undone undone(database);
-        database.execute(gone.c_str());
-        CAPTURE(gone);
-        CHECK(data::verify(database).count(FindingKind::differs) > 0);
+        check_seen(database, gone);
     }
 }
 
@@ -151,14 +145,8 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
     CHECK(found.sessions[0].replayed > 100);
     REQUIRE(count(database, "fault WHERE fault_cause = 'over_speed'") > 0);
     CHECK(check_edits(database, result_columns(database, {"fault_tick"}), 80, 5) > 60);
-    for (const char* wrong :
-         {"UPDATE trial SET fault_cause = 'late'", "UPDATE trial SET fault_cause = NULL",
-          "UPDATE trial SET outcome = 'aborted', fault_cause = NULL",
-          "DELETE FROM fault_tick WHERE trial_id = 1 AND tick % 7 = 0"}) {
-        const Undone undone(database);
-        database.execute(wrong);
-        CAPTURE(wrong);
-        CHECK(data::verify(database).count(FindingKind::differs) > 0);
+    for (const std::string& wrong : lines_in(test_text("edits/trips.sql"))) {
+        check_seen(database, wrong);
     }
 }
 
@@ -170,7 +158,6 @@ TEST_CASE(
     const std::string file = folder.file("a.sqlite");
     const Words words = joined(command_of(words_in(folder, "a.sqlite")),
                                {"--speed", "2"});  // longer than a slow machine takes to verify
-    const Words no_display{"DISPLAY", "WAYLAND_DISPLAY"};
     const auto has_ticks_from = [&](int trial) {
         return eventually([&] {
             return sql_now(file, fmt::format("SELECT sum(ticks) >= 512 FROM trace_chunk WHERE "
@@ -186,7 +173,7 @@ TEST_CASE(
         CHECK_THAT(ran({"verify", file}).out, !Has("missing"));
     };
     {
-        Process killed(words, no_display);
+        Process killed(words, kNoDisplay);
         REQUIRE(has_ticks_from(2));
         verifies();
         REQUIRE(killed.running());  // and the reader did not disturb it
@@ -198,7 +185,7 @@ TEST_CASE(
     {
         // On a slow machine verify may have taken the time of another trial.
         const int next = 1 + outcome("complete") + outcome("timed_out") + 1;
-        Process stopped(words, no_display);
+        Process stopped(words, kNoDisplay);
         REQUIRE(has_ticks_from(next));
         CHECK(stopped.ended_by(SIGINT) == 3);
     }

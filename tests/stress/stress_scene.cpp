@@ -1,6 +1,7 @@
 #include "tests/stress/stress_scene.hpp"
 
 #include "tests/support/nasty_curves.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace palpate::stress {
 namespace {
@@ -153,10 +154,6 @@ Chain random_chain(Random& random, Mood mood) {
     }
 }
 
-std::string list(const std::vector<double>& values) {
-    return fmt::format("[{}]", fmt::join(values, ", "));
-}
-
 }  // namespace
 
 engine::Friction random_friction(Random& random, std::string_view law) {
@@ -245,13 +242,7 @@ std::string scene_text(const StressScene& scene) {
     text += fmt::format("vertex_slew_m_per_s = {}\nvertex_radius_m = {}\n", f.slew.speed,
                         f.slew.radius);
     for (const NurbsData<2>& s : scene.segments) {
-        text += fmt::format("\n[[segment]]\nkind = \"nurbs\"\ndegree = {}\nknots = {}\n", s.degree,
-                            list(s.knots));
-        text += fmt::format("weights = {}\npoints_m = [\n", list(s.weights));
-        for (const Vec2& p : s.points) {
-            text += fmt::format("    [{}, {}],\n", p.x, p.y);
-        }
-        text += "]\n";
+        text += segment_text(s);
     }
     return text;
 }

@@ -1,6 +1,7 @@
 #include "tests/stress/surface_cases.hpp"
 
 #include "tests/stress/any_hand.hpp"
+#include "tests/support/scene_text.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace palpate::stress {
@@ -223,25 +224,6 @@ private:
 
     const engine::NurbsSurface* surface_;
 };
-
-std::string surface_text(const SurfaceData& d) {
-    std::string text =
-        fmt::format("[[surface]]\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n",
-                    d.degree_u, d.degree_v, fmt::join(d.knots_u, ", "), fmt::join(d.knots_v, ", "));
-    text += "points_m = [";
-    for (const auto& row : d.points) {
-        text += "[";
-        for (const Vec3& p : row) {
-            text += fmt::format("[{}, {}, {}], ", p.x, p.y, p.z);
-        }
-        text += "],\n";
-    }
-    text += d.weights.empty() ? "]\n" : "]\nweights = [";
-    for (const auto& row : d.weights) {
-        text += fmt::format("[{}],\n", fmt::join(row, ", "));
-    }
-    return d.weights.empty() ? text : text + "]\n";
-}
 
 }  // namespace
 

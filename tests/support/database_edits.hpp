@@ -20,6 +20,15 @@ private:
     data::Database& database_;
 };
 
+/// What `sql` changes, undone at the end, is reported.
+inline void check_seen(data::Database& database, const std::string& sql) {
+    const Undone undone(database);
+    database.execute(sql.c_str());
+    const data::Verification found = data::verify(database);
+    CAPTURE(sql, text_of(found));
+    CHECK(found.count(data::FindingKind::differs) > 0);
+}
+
 /// Columns that nothing else in the file says (data/verify/verify.hpp).
 inline const std::set<std::string> kSilent{
     "participant.handedness",  "participant.consent",      "participant.handedness_utc",

@@ -46,6 +46,13 @@ public:
     [[nodiscard]] std::string text(const std::string& id) {
         return value("document.getElementById('" + id + "')?.textContent");
     }
+    /// Waits until an element's text has this in it, or is this. @return it does
+    [[nodiscard]] bool shows(const std::string& id, const std::string& part) {
+        return eventually([&] { return text(id).find(part) != std::string::npos; });
+    }
+    [[nodiscard]] bool is(const std::string& id, const std::string& whole) {
+        return eventually([&] { return text(id) == whole; });
+    }
     /// With the mouse, where it is, once it may be pressed: a page that was not served for long has
     /// lost the session until it hears of it.
     void press(const std::string& id) {

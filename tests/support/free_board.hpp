@@ -150,6 +150,23 @@ inline Finished operated(const TemporaryFolder& folder,
     }
 }
 
+/// What `palpate doctor` says of a device, until `part` is in it: a busy machine may leave a board
+/// without its turn.
+inline std::string doctored(const TemporaryFolder& folder,
+                            const std::string& device,
+                            const std::string& calibration,
+                            const std::string& part = "") {
+    std::string said;
+    for (int i = 0; i == 0 || (i < 20 && said.find(part) == std::string::npos); ++i) {
+        said =
+            behind(palpate_command({"doctor", "--device", device, "--calibration", calibration,
+                                    "--seconds", "0.05", "--json", "--db", folder.file("d.sqlite")})
+                       .out,
+                   "", "kinematics");
+    }
+    return said;
+}
+
 /// Of a session that counts, although the board is emulated.
 inline std::string real_words(const TemporaryFolder& folder,
                               const FreeBoard& board,

@@ -101,36 +101,25 @@ inline std::vector<double> ticks_of(const std::string& text, double step) {
     return out;
 }
 
-/// What a browser without a window makes of a page, once.
-struct Browsed {
-    bool there = false;  ///< Chromium is installed
-    Finished done{};     ///< with --dump-dom the page as its script left it
-    std::string net{};   ///< its log of the network
-
-    /// The browser itself asks its maker for news; what a page asks for has an initiator of its
-    /// own.
-    [[nodiscard]] bool asked_for_nothing() const {
-        return net.size() > 10000 &&
-               count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\"");
+/// What a browser without a window makes of a page: as its script left it, without an error and
+/// without a request. None where there is no Chromium.
+inline std::optional<std::string> browsed(const TemporaryFolder& folder, const std::string& page) {
+    if (!installed("Chromium", {"sh", "-c", "command -v chromium"})) {
+        return std::nullopt;
     }
-};
-/// @param what  "--dump-dom" or "--screenshot=FILE"
-inline Browsed browsed(const TemporaryFolder& folder,
-                       const std::string& page,
-                       const std::string& what) {
-    if (Process({"sh", "-c", "command -v chromium"}).wait().code != 0) {
-        return {};
-    }
-    Browsed all{.there = true};
-    all.done =
+    const Finished done = ended(
         Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
                  "--disable-background-networking", "--disable-component-update", "--no-first-run",
                  "--allow-file-access-from-files", "--enable-logging=stderr",
                  "--window-size=1000,1400", "--user-data-dir=" + folder.file("profile"),
-                 "--log-net-log=" + folder.file("net.json"), what, "file://" + page})
-            .wait();
-    all.net = slurp(folder.file("net.json"));
-    return all;
+                 "--log-net-log=" + folder.file("net.json"), "--dump-dom", "file://" + page})
+            .wait());
+    CHECK_THAT(done.error, !Has("CONSOLE"));
+    // The browser itself asks its maker for news; what a page asks for has an initiator of its own.
+    const std::string net = slurp(folder.file("net.json"));
+    CHECK(net.size() > 10000);
+    CHECK(count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\""));
+    return done.out;
 }
 
 /// Each number of a JSON, in the fewest digits that read back to the same bits.

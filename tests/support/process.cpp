@@ -151,7 +151,7 @@ Finished palpate_command(const Words& arguments) {
         !std::filesystem::exists(file[1])) {
         command.insert(command.end(), {"--secret", kRunSecret});
     }
-    return Process(command, {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}).wait();
+    return Process(command, kNoDisplay).wait();
 }
 
 }  // namespace palpate::tests

@@ -75,6 +75,9 @@ private:
 /// The secret of new files in tests, so that a failure comes again.
 inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 
+/// The environment of a program that finds no display.
+inline const Words kNoDisplay{"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"};
+
 /// Runs the program under test, headless unless the arguments say otherwise. `run` makes a new file
 /// with kRunSecret unless another --secret is given.
 [[nodiscard]] Finished palpate_command(const Words& arguments);
@@ -92,6 +95,21 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 /// It and these words, for a Process.
 [[nodiscard]] inline Words command_of(const Words& arguments) {
     return joined({palpate_program()}, arguments);
+}
+
+/// The program with a window that nobody sees.
+[[nodiscard]] inline Finished unseen(const Words& arguments) {
+    return Process(command_of(arguments), {"SDL_VIDEODRIVER=dummy"}).wait();
+}
+
+/// What a shell comes to in a folder, $0 being the program, $1 the first of the words.
+[[nodiscard]] inline Finished shell(const std::string& script,
+                                    const std::filesystem::path& within = "/",
+                                    const Words& words = {}) {
+    return Process(joined({"bash", "-c", "cd '" + within.string() + "' && " + script,
+                           palpate_program()},
+                          words))
+        .wait();
 }
 
 /// Makes `file` of `text`, byte for byte. @return its name

@@ -20,6 +20,32 @@ inline Finished ran(const Words& words, int code = 0) {
     return ended(palpate_command(words), code);
 }
 
+/// A protocol, shipped or a file, run by people one after the other. @return the file of sessions
+inline std::string run_by(const Words& people,
+                          const std::string& protocol,
+                          const std::string& file) {
+    for (const std::string& one : people) {
+        ran(run_words(protocol, one, file, {"--headless"}));
+    }
+    return file;
+}
+
+/// A file of sessions, which goes with it.
+struct RunFile : TemporaryFile {
+    explicit RunFile(const std::string& protocol, const Words& people = {"P1"})
+        : TemporaryFile("d.sqlite") {
+        run_by(people, protocol, *this);
+    }
+};
+
+/// The demo, as slow as asked for: "0" is at once.
+inline Words demo_words(const std::string& file,
+                        const std::string& participant = "P1",
+                        const std::string& speed = "0") {
+    return run_words("shape_friction_demo", participant, file,
+                     {"--headless", "--speed", speed, "--secret", kRunSecret});
+}
+
 /// Whether another program does what it is asked; a warning says where `what` is missing.
 inline bool installed(const std::string& what, const Words& asks) {
     const bool there = Process(asks).wait().code == 0;
@@ -89,6 +115,14 @@ inline std::string sql_csv(const std::string& file, const std::string& query) {
 /// Its first row, without the head.
 inline std::string sql_row(const std::string& file, const std::string& query) {
     return behind(sql_csv(file, query), "\n");
+}
+
+/// What a table of tests/texts has: a query of a file and its first row; "1" where that is left out.
+inline void check_truths(const std::string& file, const std::string& table) {
+    for (const Words& row : test_rows(table)) {
+        CAPTURE(row);
+        CHECK(sql_row(file, row.at(0)) == (row.size() > 1 ? row[1] : "1"));
+    }
 }
 
 /// Simulated people who answer to a protocol's text: the file.

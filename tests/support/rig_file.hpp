@@ -2,6 +2,7 @@
 
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/test_text.hpp"
@@ -66,6 +67,13 @@ public:
             keys_.open(pipe_);
         }
         keys_ << line << '\n' << std::flush;
+    }
+    /// Waits until it has printed `text`, or ended. @return it runs on
+    [[nodiscard]] bool says(std::string_view text) {
+        static_cast<void>(eventually([&] {
+            return program_->out().find(text) != std::string::npos || !program_->running();
+        }));
+        return program_->running();
     }
     /// Says nothing more.
     void end() { keys_.close(); }

@@ -36,12 +36,15 @@ inline std::vector<Words> test_rows(const std::string& name) {
     return rows;
 }
 
-/// `first`, and the words of a line with blanks between.
-inline Words words_of(const std::string& first, const std::string& line) {
-    Words words{first};
-    for (std::string& word : split(line, ' ')) {
-        if (!word.empty()) {
-            words.push_back(std::move(word));
+/// `first`, and the words of a line with blanks between, in which a name in braces is what is meant.
+inline Words words_of(const std::string& first,
+                      const std::string& line,
+                      const std::map<std::string, std::string>& meant = {}) {
+    Words words = joined({first}, split(line, ' '));
+    std::erase(words, "");
+    for (std::string& word : words) {
+        for (const auto& [name, text] : meant) {
+            word = all_replaced(std::move(word), name, text);
         }
     }
     return words;
