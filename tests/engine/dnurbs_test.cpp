@@ -1,4 +1,4 @@
-#include <glm/vec4.hpp>
+#include <Eigen/LU>
 
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/support/allocations.hpp"
@@ -9,6 +9,12 @@
 using namespace palpate::engine;
 
 namespace {
+
+using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
+Eigen::Index at(std::size_t i) {
+    return static_cast<Eigen::Index>(i);
+}
 
 /// The cubic of the thesis' Figure 4.4.1, both ends held.
 DnurbsSpec bow() {
@@ -50,38 +56,31 @@ DnurbsSpec random_curve(Random& random, bool rational) {
     return spec;
 }
 
-/// All rational basis functions and their first two derivatives.
-std::vector<std::array<long double, 3>> rational_basis(const DnurbsSpec& spec, long double u) {
+/// All rational basis functions, a row each, and their first two derivatives beside them.
+LongMatrix rational_basis(const DnurbsSpec& spec, long double u) {
     const std::size_t n = spec.points.size();
     const auto splines = basis_jet(spec.knots, knot_piece(spec.knots, u), spec.degree, n, u);
-    std::array<long double, 3> whole{};
-    std::vector<std::array<long double, 3>> r(n);
+    LongMatrix r(n, 3);
     for (std::size_t i = 0; i < n; ++i) {
-        const long double w = spec.weights.empty() ? 1.0L : spec.weights[i];
         for (std::size_t k = 0; k < 3; ++k) {
-            r[i][k] = w * splines[k][i];
-            whole[k] += r[i][k];
+            r(at(i), at(k)) = (spec.weights.empty() ? 1.0L : spec.weights[i]) * splines[k][i];
         }
     }
-    for (auto& one : r) {
-        one[0] /= whole[0];
-        one[1] = (one[1] - one[0] * whole[1]) / whole[0];
-        one[2] = (one[2] - 2.0L * one[1] * whole[1] - one[0] * whole[2]) / whole[0];
-    }
+    const Eigen::RowVector3<long double> whole = r.colwise().sum();
+    r.col(0) /= whole(0);
+    r.col(1) = (r.col(1) - r.col(0) * whole(1)) / whole(0);
+    r.col(2) = (r.col(2) - 2.0L * r.col(1) * whole(1) - r.col(0) * whole(2)) / whole(0);
     return r;
 }
-
-using LongMatrix = std::vector<std::vector<long double>>;
 
 struct Matrices {
     LongMatrix gram, stiffness;
 };
 
-/// By the 5-point rule (Abramowitz & Stegun 25.4.30, its closed form) on forty parts of each piece.
+/// By the 5-point rule (Abramowitz & Stegun 25.4.30, its closed form) on sixty parts of each piece.
 Matrices oracle_of(const DnurbsSpec& spec) {
-    const std::size_t n = spec.points.size();
-    Matrices m{LongMatrix(n, std::vector<long double>(n)),
-               LongMatrix(n, std::vector<long double>(n))};
+    const Eigen::Index n = at(spec.points.size());
+    Matrices m{LongMatrix::Zero(n, n), LongMatrix::Zero(n, n)};
     const long double near = std::sqrt(5.0L - 2.0L * std::sqrt(10.0L / 7.0L)) / 3.0L;
     const long double far = std::sqrt(5.0L + 2.0L * std::sqrt(10.0L / 7.0L)) / 3.0L;
     const long double heavy = (322.0L + 13.0L * std::sqrt(70.0L)) / 900.0L;
@@ -95,46 +94,15 @@ Matrices oracle_of(const DnurbsSpec& spec) {
         for (int part = 0; width > 0.0L && part < kParts; ++part) {
             for (const auto& [place, weight] : rule) {
                 const long double u = spec.knots[k] + width * (part + 0.5L * (1.0L + place));
-                const auto r = rational_basis(spec, u);
-                for (std::size_t i = 0; i < n; ++i) {
-                    for (std::size_t j = 0; j < n; ++j) {
-                        m.gram[i][j] += 0.5L * width * weight * r[i][0] * r[j][0];
-                        m.stiffness[i][j] +=
-                            0.5L * width * weight *
-                            (spec.alpha * r[i][1] * r[j][1] + spec.beta * r[i][2] * r[j][2]);
-                    }
-                }
+                const LongMatrix r = rational_basis(spec, u);
+                const long double share = 0.5L * width * weight;
+                m.gram += share * r.col(0) * r.col(0).transpose();
+                m.stiffness += share * spec.alpha * r.col(1) * r.col(1).transpose() +
+                               share * spec.beta * r.col(2) * r.col(2).transpose();
             }
         }
     }
     return m;
-}
-
-/// Gauss' elimination with pivots; one column.
-std::vector<long double> solved(LongMatrix a, std::vector<long double> b) {
-    const std::size_t n = b.size();
-    for (std::size_t k = 0; k < n; ++k) {
-        std::size_t best = k;
-        for (std::size_t i = k; i < n; ++i) {
-            best = std::fabs(a[i][k]) > std::fabs(a[best][k]) ? i : best;
-        }
-        std::swap(a[k], a[best]);
-        std::swap(b[k], b[best]);
-        for (std::size_t i = k + 1; i < n; ++i) {
-            const long double share = a[i][k] / a[k][k];
-            for (std::size_t j = k; j < n; ++j) {
-                a[i][j] -= share * a[k][j];
-            }
-            b[i] -= share * b[k];
-        }
-    }
-    for (std::size_t k = n; k-- > 0;) {
-        for (std::size_t j = k + 1; j < n; ++j) {
-            b[k] -= a[k][j] * b[j];
-        }
-        b[k] /= a[k][k];
-    }
-    return b;
 }
 
 /// Largest distance between displacements, over the largest displacement.
@@ -148,55 +116,43 @@ double relative_error(const std::vector<Vec2>& found, const std::vector<Vec2>& e
     return worst / size;
 }
 
+/// By elimination with pivots in long double; the curve itself has a factor of Cholesky's.
 std::vector<Vec2> exact_rest(const DnurbsSpec& spec, double u, const Vec2& force) {
-    const Matrices m = oracle_of(spec);
-    std::vector<std::size_t> moving;
+    std::vector<Eigen::Index> moving;
     for (std::size_t i = 0; i < spec.points.size(); ++i) {
         if (std::find(spec.fixed.begin(), spec.fixed.end(), i) == spec.fixed.end()) {
-            moving.push_back(i);
+            moving.push_back(at(i));
         }
     }
-    const auto r = rational_basis(spec, u);
-    LongMatrix k(moving.size(), std::vector<long double>(moving.size()));
-    std::vector<long double> load(moving.size());
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-        load[i] = r[moving[i]][0];
-        for (std::size_t j = 0; j < moving.size(); ++j) {
-            k[i][j] = m.stiffness[moving[i]][moving[j]];
-        }
-    }
-    const auto unit = solved(k, load);
+    const LongMatrix k = oracle_of(spec).stiffness(moving, moving);
+    const LongMatrix unit = k.partialPivLu().solve(rational_basis(spec, u)(moving, 0));
     std::vector<Vec2> q(spec.points.size());
     for (std::size_t i = 0; i < moving.size(); ++i) {
-        q[moving[i]] = static_cast<double>(unit[i]) * force;
+        q[static_cast<std::size_t>(moving[i])] = static_cast<double>(unit(at(i), 0)) * force;
     }
     return q;
 }
 
 /// The motion of the bow's two free points, in steps of 10 us: M and D are multiples of one matrix.
 std::vector<Vec2> fine_motion(const DnurbsSpec& spec, double u, const Vec2& force, double time) {
+    using Two = Eigen::Vector2<long double>;
+    using State = Eigen::Vector4<long double>;  // q1, q2, v1, v2 along the force
     const Matrices m = oracle_of(spec);
-    const auto r = rational_basis(spec, u);
-    using Two = glm::vec<2, long double>;
-    using State = glm::vec<4, long double>;  // q1, q2, v1, v2 along the force
-    const auto inner = [](const LongMatrix& all, const Two& by) {
-        return Two{all[1][1] * by.x + all[1][2] * by.y, all[2][1] * by.x + all[2][2] * by.y};
-    };
-    const Two load{r[1][0], r[2][0]};
-    const long double det = m.gram[1][1] * m.gram[2][2] - m.gram[1][2] * m.gram[2][1];
+    const Eigen::Matrix2<long double> gram = m.gram.block<2, 2>(1, 1);
+    const Eigen::Matrix2<long double> stiffness = m.stiffness.block<2, 2>(1, 1);
+    const Two load = rational_basis(spec, u).block<2, 1>(1, 0);
     const auto slope = [&](const State& y, long double /*t*/) {
-        const Two v{y.z, y.w};
-        const Two side = load - static_cast<long double>(spec.gamma) * inner(m.gram, v) -
-                         inner(m.stiffness, Two{y.x, y.y});
-        const long double mass = spec.mu * det;
-        return State{v.x, v.y, (m.gram[2][2] * side.x - m.gram[1][2] * side.y) / mass,
-                     (m.gram[1][1] * side.y - m.gram[2][1] * side.x) / mass};
+        const Two v = y.tail<2>();
+        const Two side = load - spec.gamma * (gram * v) - stiffness * y.head<2>();
+        State out;
+        out << v, gram.inverse() * side / spec.mu;
+        return out;
     };
-    State y{};
+    State y = State::Zero();
     for (int step = 0; step < static_cast<int>(std::lround(time / 1e-5)); ++step) {
         y = runge_kutta(y, 1e-5L, slope);
     }
-    return {{}, static_cast<double>(y.x) * force, static_cast<double>(y.y) * force, {}};
+    return {{}, static_cast<double>(y(0)) * force, static_cast<double>(y(1)) * force, {}};
 }
 
 std::vector<Vec2> stepped(const Dnurbs& curve, double u, const Vec2& force, double h, double time) {

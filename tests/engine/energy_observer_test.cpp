@@ -3,6 +3,7 @@
 #include "engine/rendering/scene.hpp"
 #include "engine/safety/passivity.hpp"
 #include "stimuli/two_curve.hpp"
+#include "tests/engine/chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -79,19 +80,17 @@ Trip against(const Wall& wall) {
                               .stiffness = wall.stiffness,
                               .damping = wall.damping,
                               .delay_ticks = static_cast<double>(wall.delay)};
-    SafetyState state;
+    Chain chain{limits};
     std::deque<double> commands(wall.delay, 0.0);
     std::deque<double> depths(wall.lag, 0.0);
     double y = -0.002;
     double v = 0.0;
-    for (int k = 0; k < 20000 && state.trip == Trip::none; ++k) {
-        const Vec2 hip{0.0, y};
+    for (int k = 0; k < 20000 && chain.state.trip == Trip::none; ++k) {
         const double depth = std::max(0.0, -y);
         depths.push_back(depth);
-        const Vec2 force{0.0, wall.stiffness * depths.front()};
-        const Command c = make_safe(
-            state, limits,
-            {.force = Vec3(force, 0.0), .spring = {0.0, depth, 0.0}, .hip = Vec3(hip, 0.0)});
+        const Command c = chain({.force = {0.0, wall.stiffness * depths.front(), 0.0},
+                                 .spring = {0.0, depth, 0.0},
+                                 .hip = {0.0, y, 0.0}});
         commands.push_back(c.force.y);
         for (int i = 0; i < 20; ++i) {
             v += 5e-5 / 0.15 * (commands.front() - 2.0 - wall.damping * v);
@@ -100,7 +99,7 @@ Trip against(const Wall& wall) {
         commands.pop_front();
         depths.pop_front();
     }
-    return state.trip;
+    return chain.state.trip;
 }
 
 }  // namespace
@@ -198,19 +197,16 @@ TEST_CASE("a wall within the passivity bound runs for ever, one rendered from ol
 }
 
 TEST_CASE("a spring of the wrong sign is caught") {
-    const SafetyLimits limits{.ramp_step = 1.0, .energy = kLimit};
-    SafetyState state;
+    Chain chain{{.ramp_step = 1.0, .energy = kLimit}};
     double depth = 0.0;
-    while (make_safe(state, limits,
-                     {.force = {0.0, -1000.0 * depth, 0.0},
-                      .spring = {0.0, depth, 0.0},
-                      .hip = {0.0, -depth, 0.0}})
-               .trip == Trip::none) {
+    while (chain.trip({.force = {0.0, -1000.0 * depth, 0.0},
+                       .spring = {0.0, depth, 0.0},
+                       .hip = {0.0, -depth, 0.0}}) == Trip::none) {
         depth += 1e-4;
         REQUIRE(depth < 0.02);
     }
     // It gives K x^2 / 2 and says that it stored as much: K x^2 = 0.1 J at 10 mm.
-    CHECK((state.trip == Trip::energy));
+    CHECK((chain.state.trip == Trip::energy));
     CHECK(depth == Approx(0.010).margin(2e-4));
 }
 

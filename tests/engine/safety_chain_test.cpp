@@ -1,4 +1,4 @@
-#include "engine/safety/safety_chain.hpp"
+#include "tests/engine/chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -7,11 +7,11 @@ using namespace palpate::engine;
 TEST_CASE("no command is stronger than the limit, and its direction is kept") {
     SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.max_force = random.in(0.5, 10.0), .ramp_step = 1.0};
-    SafetyState gate;
+    Chain chain{limits};
     for (int i = 0; i < 200; ++i) {
         const double size = random.decade(-3.0, 4.0);
         const Vec3 force(random.point(-size, size), random.in(-size, size));
-        const Command c = make_safe(gate, limits, {.force = force, .enable = true});
+        const Command c = chain({.force = force, .enable = true});
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-15));
         REQUIRE(glm::length(glm::cross(c.force, force)) <=
                 1e-12 * glm::length(force) * limits.max_force);
@@ -24,32 +24,31 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept") {
 }
 
 TEST_CASE("the ramp takes as long as asked, on and off, and never jumps") {
-    const SafetyLimits limits{.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)};
-    SafetyState gate;
+    Chain chain{{.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)}};
     const Vec3 force{3.0, -4.0, 0.0};
     double last = 0.0;
     for (int k = 1; k <= 250; ++k) {
-        const Command c = make_safe(gate, limits, {.force = force, .enable = true});
+        const Command c = chain({.force = force, .enable = true});
         CHECK(std::fabs(glm::length(c.force) - 5.0 * std::min(1.0, k / 200.0)) < 1e-9);
         CHECK(c.ramped == (k < 200));
         CHECK(glm::length(c.force) - last <= 5.0 / 200.0 + 1e-12);
         last = glm::length(c.force);
     }
     for (int k = 1; k <= 200; ++k) {
-        const Command c = make_safe(gate, limits, {.force = force, .enable = false});
+        const Command c = chain({.force = force, .enable = false});
         CHECK(std::fabs(glm::length(c.force) - 5.0 * (1.0 - k / 200.0)) < 1e-9);
     }
-    CHECK(glm::length(make_safe(gate, limits, {.force = force, .enable = false}).force) < 1e-12);
+    CHECK(glm::length(chain({.force = force, .enable = false}).force) < 1e-12);
 }
 
 TEST_CASE("a trial that starts inside the object feels no kick") {
     SEEDED(random, std::uint64_t{50});
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 0.1)};
-    SafetyState state;
+    Chain chain{limits};
     const Vec3 force(random.point(-30.0, 30.0), random.in(-30.0, 30.0));
     for (int k = 1; k <= 300; ++k) {
-        const Command c = make_safe(state, limits, {.force = force});
+        const Command c = chain({.force = force});
         REQUIRE(glm::length(c.force) <= k * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
     }
 }
@@ -59,15 +58,14 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 1.0),
                               .slew = random.in(0.05, 3.0)};
-    SafetyState state;
+    Chain chain{limits};
     Vec3 last{};
     Vec3 force{};
     for (int k = 0; k < 400; ++k) {
         if (random.below(7) == 0) {
             force = Vec3(random.point(-15.0, 15.0), random.in(-15.0, 15.0));
         }
-        const Command c =
-            make_safe(state, limits, {.force = force, .enable = random.below(9) != 0});
+        const Command c = chain({.force = force, .enable = random.below(9) != 0});
         REQUIRE(glm::length(c.force - last) <= limits.slew * (1.0 + 1e-12));
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
         if (!c.force_slew && !c.saturated && !c.ramped) {
@@ -78,10 +76,9 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
 }
 
 TEST_CASE("a step of the force arrives at the pace of the slew limit and says so") {
-    const SafetyLimits limits{.ramp_step = 1.0, .slew = 2.0};
-    SafetyState state;
+    Chain chain{{.ramp_step = 1.0, .slew = 2.0}};
     for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
-        const Command c = make_safe(state, limits, {.force = {3.0, -4.0, 0.0}});
+        const Command c = chain({.force = {3.0, -4.0, 0.0}});
         CHECK(glm::length(c.force - expected * Vec3{0.6, -0.8, 0.0}) < 1e-12);
         CHECK(c.force_slew == (expected < 5.0));
     }
@@ -93,16 +90,15 @@ TEST_CASE("a force that is not finite latches with zero from then on") {
                  -std::numeric_limits<double>::infinity(), 1e200);
     const int where = GENERATE(range(0, 4));
     CAPTURE(bad, where);
-    SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    Chain chain{{.ramp_step = 1.0}};
+    CHECK(chain({.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
     SafetyInput input{.force = {1.0, 0.0, 0.0}};
     const std::array<Vec3*, 4> parts{&input.force, &input.spring, &input.hip, &input.load};
     parts[static_cast<std::size_t>(where)]->y = bad;
-    const Command c = make_safe(state, limits, input);
+    const Command c = chain(input);
     CHECK((c.trip == Trip::not_finite));
     CHECK(c.force == Vec3{});
-    const Command later = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}});
+    const Command later = chain({.force = {1.0, 0.0, 0.0}});
     CHECK((later.trip == Trip::not_finite));
     CHECK(later.force == Vec3{});
 }
@@ -110,18 +106,16 @@ TEST_CASE("a force that is not finite latches with zero from then on") {
 TEST_CASE("what device or scene report switches off in the same tick, with that cause") {
     const Trip found = GENERATE(Trip::scene_refused, Trip::device_lost, Trip::device_silent,
                                 Trip::device_garbage, Trip::out_of_workspace);
-    SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .found = found});
+    Chain chain{{.ramp_step = 1.0}};
+    CHECK(chain({.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    const Command c = chain({.force = {1.0, 0.0, 0.0}, .found = found});
     CHECK((c.trip == found));
     CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("a trip keeps its first cause and gives zero until the next trial") {
     SEEDED(random, std::uint64_t{60});
-    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
-    SafetyState state;
+    Chain chain{{.ramp_step = 1.0, .dead_man = true}};
     Trip first = Trip::none;
     int zero = 0;
     for (int k = 0; k < 300; ++k) {
@@ -129,7 +123,7 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial") {
                                 .found = random.below(150) == 0 ? Trip::device_lost : Trip::none,
                                 .held = random.below(150) != 0,
                                 .stop = random.below(150) == 0 ? Trip::stopped : Trip::none};
-        const Command c = make_safe(state, limits, input);
+        const Command c = chain(input);
         if (first == Trip::none) {
             first = input.found != Trip::none ? input.found
                   : input.stop != Trip::none  ? input.stop
@@ -141,16 +135,15 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial") {
         zero += first != Trip::none ? 1 : 0;
     }
     CHECK(zero > 0);
-    state = fresh_state(state, limits, 0.0);
-    CHECK((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).trip == Trip::none));
+    chain.state = fresh_state(chain.state, chain.limits, 0.0);
+    CHECK((chain.trip({.force = {1.0, 0.0, 0.0}}) == Trip::none));
 }
 
 TEST_CASE("letting go switches off, where a dead-man switch is asked for") {
     const bool asked = GENERATE(false, true);
-    SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = asked};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .held = false});
+    Chain chain{{.ramp_step = 1.0, .dead_man = asked}};
+    CHECK(chain({.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    const Command c = chain({.force = {1.0, 0.0, 0.0}, .held = false});
     CHECK((c.trip == (asked ? Trip::let_go : Trip::none)));
     CHECK(c.force.x == (asked ? 0.0 : 1.0));
 }
@@ -158,66 +151,58 @@ TEST_CASE("letting go switches off, where a dead-man switch is asked for") {
 TEST_CASE("a stop by hand and a window without the keyboard switch off at once, with their cause") {
     const Trip why = GENERATE(Trip::stopped, Trip::focus_lost);
     const bool enable = GENERATE(true, false);  // also in the ramp out
-    SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(
-        state, limits, {.force = {1.0, 0.0, 0.0}, .enable = enable, .held = false, .stop = why});
+    Chain chain{{.ramp_step = 1.0, .dead_man = true}};
+    CHECK(chain({.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    const Command c =
+        chain({.force = {1.0, 0.0, 0.0}, .enable = enable, .held = false, .stop = why});
     CHECK((c.trip == why));
     CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("a device without a new reading trips after the ticks allowed, not before") {
     EACH(run, 1, 2, 10, 100);
-    SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0, .silent_run = run};
+    Chain chain{{.ramp_step = 1.0, .silent_run = run}};
     for (int round = 0; round < 5; ++round) {  // one fresh reading starts the count again
-        CHECK((make_safe(state, limits, {}).trip == Trip::none));
-        for (int k = 1; k < run; ++k) {
-            REQUIRE((make_safe(state, limits, {.fresh = false}).trip == Trip::none));
-        }
+        CHECK((chain.trip() == Trip::none));
+        REQUIRE((chain.trip({.fresh = false}, run - 1) == Trip::none));
     }
-    CHECK((make_safe(state, limits, {}).trip == Trip::none));
-    for (int k = 1; k < run; ++k) {
-        REQUIRE((make_safe(state, limits, {.fresh = false}).trip == Trip::none));
-    }
-    CHECK((make_safe(state, limits, {.fresh = false}).trip == Trip::device_silent));
+    CHECK((chain.trip() == Trip::none));
+    REQUIRE((chain.trip({.fresh = false}, run - 1) == Trip::none));
+    CHECK((chain.trip({.fresh = false}) == Trip::device_silent));
 }
 
 TEST_CASE("where no new reading comes there is no force until one does, and then it ramps in") {
     Random random(static_cast<std::uint64_t>(GENERATE(range(1, 20))));
     const std::int32_t quiet = 1 + random.below(20);
     const double step = random.in(0.01, 1.0);
-    const SafetyLimits limits{.ramp_step = step,
-                              .slew = random.coin() ? 0.05 : 10.0,
-                              .quiet_run = quiet,
-                              .silent_run = quiet + 200,
-                              .spare_delay = 2.0};
-    SafetyState state;
+    Chain chain{{.ramp_step = step,
+                 .slew = random.coin() ? 0.05 : 10.0,
+                 .quiet_run = quiet,
+                 .silent_run = quiet + 200,
+                 .spare_delay = 2.0}};
     const SafetyInput pressed{.force = {1.0, 0.0, 0.0}};
     for (int round = 0; round < 5; ++round) {
         double last = 0.0;
         for (int k = 1; k <= 400; ++k) {
-            const Command c = make_safe(state, limits, pressed);
+            const Command c = chain(pressed);
             REQUIRE(c.force.x <= std::min(1.0, k * step) + 1e-12);
-            REQUIRE(c.force.x <= last + limits.slew + 1e-12);
+            REQUIRE(c.force.x <= last + chain.limits.slew + 1e-12);
             last = c.force.x;
         }
         CHECK(last == 1.0);
         const int gap = 1 + random.below(100);
         for (int k = 1; k <= gap; ++k) {
             const double age = k;  // beyond what may be borne, were there a force
-            const Command c =
-                make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .fresh = false, .behind = age});
+            const Command c = chain({.force = {1.0, 0.0, 0.0}, .fresh = false, .behind = age});
             REQUIRE((c.trip == Trip::none));
             REQUIRE(c.force.x == (k < quiet ? 1.0 : 0.0));
             REQUIRE(c.ramped == (k >= quiet));
         }
         if (gap < quiet) {
-            CHECK(make_safe(state, limits, pressed).force.x == 1.0);
+            CHECK(chain(pressed).force.x == 1.0);
         }
-        state.gain = gap < quiet ? 0.0 : state.gain;
-        state.command = {};
+        chain.state.gain = gap < quiet ? 0.0 : chain.state.gain;
+        chain.state.command = {};
     }
 }
 
@@ -243,6 +228,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
                               .heat_step = random.coin() ? 0.0 : random.decade(-5.0, 2.0),
                               .watch_encoders = random.coin(),
                               .dead_man = random.coin()};
+    Chain chain{limits};
     const double wild = random.decade(-2.0, 200.0);
     const auto number = [&](double usual) {
         switch (random.below(3000)) {
@@ -261,7 +247,6 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
         const double y = number(usual);
         return Vec3{x, y, number(usual)};
     };
-    SafetyState state;
     Command last;
     std::int32_t unheard = 0;
     for (int k = 0; k < 500; ++k) {
@@ -277,7 +262,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
                                 .enable = random.below(20) != 0,
                                 .held = random.below(2000) != 0,
                                 .stop = random.below(2000) == 0 ? Trip::stopped : Trip::none};
-        const Command c = make_safe(state, limits, input);
+        const Command c = chain(input);
         REQUIRE(std::isfinite(glm::length(c.force)));
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
         REQUIRE(glm::length(c.force) <=

@@ -1,4 +1,4 @@
-#include "engine/safety/safety_chain.hpp"
+#include "tests/engine/chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -102,14 +102,12 @@ TEST_CASE(
     CAPTURE(static_cast<int>(act), seed);
     Random one(seed);
     Random other(seed);
-    SafetyState across;
-    SafetyState up;
+    Chain across{limits_of(act)};
+    Chain up{limits_of(act)};
     double strongest = 0.0;
     for (int k = 0; k < 3000; ++k) {
-        const Command level =
-            make_safe(across, limits_of(act), input_of(moment_of(act, k, one), false));
-        const Command raised =
-            make_safe(up, limits_of(act), input_of(moment_of(act, k, other), true));
+        const Command level = across(input_of(moment_of(act, k, one), false));
+        const Command raised = up(input_of(moment_of(act, k, other), true));
         REQUIRE(raised.trip == level.trip);
         REQUIRE(std::fabs(raised.force.z - level.force.x) < 1e-12);
         REQUIRE(raised.force.x == 0.0);
@@ -117,7 +115,7 @@ TEST_CASE(
         REQUIRE(raised.force_slew == level.force_slew);
         strongest = std::fmax(strongest, std::fabs(raised.force.z));
     }
-    CHECK((up.trip == cause));
+    CHECK((up.state.trip == cause));
     CHECK(strongest > 0.1);
     CHECK(strongest <= 6.0 * (1.0 + 1e-12));
 }
@@ -125,11 +123,11 @@ TEST_CASE(
 TEST_CASE("a force in space keeps its direction at the limit, and a slew takes the straight way") {
     SEEDED(random, 100U);
     const SafetyLimits limits{.max_force = 5.0, .ramp_step = 1.0, .slew = random.in(0.05, 20.0)};
-    SafetyState state;
+    Chain chain{limits};
     Vec3 last{};
     for (int k = 0; k < 200; ++k) {
         const Vec3 asked(random.in(-9.0, 9.0), random.in(-9.0, 9.0), random.in(-9.0, 9.0));
-        const Vec3 given = make_safe(state, limits, {.force = asked}).force;
+        const Vec3 given = chain({.force = asked}).force;
         const double length = glm::length(asked);
         const Vec3 strong = length > 5.0 ? asked * (5.0 / length) : asked;
         const double way = glm::length(strong - last);
@@ -147,14 +145,13 @@ TEST_CASE(
     EACH(pushed, as<std::string>(), "always", "over hills", "never");
     EACH(stuck, true, false);
     Random random(seed);
-    SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true, .axes = 3};
-    limits.stuck_travel = 0.080;
-    SafetyState state;
+    Chain chain{{.ramp_step = 1.0, .watch_encoders = true, .axes = 3}};
+    chain.limits.stuck_travel = 0.080;
     const double period = random.in(0.5, 2.0);  // s of a stroke to and fro
     const double wide = random.in(0.02, 0.05);
     double way = 0.0;
     Vec3 last{};
-    for (int k = 0; k < 20000 && state.trip == Trip::none && way < 1.0; ++k) {
+    for (int k = 0; k < 20000 && chain.state.trip == Trip::none && way < 1.0; ++k) {
         const double phase = 2.0 * 3.141592653589793 * 1e-3 * k / period;
         Vec3 place{};
         place[(axis + 1) % 3] = wide * std::sin(phase);
@@ -167,11 +164,11 @@ TEST_CASE(
                                      static_cast<std::int32_t>(std::floor(counts.z))}};
         const bool high = std::fabs(place[(axis + 1) % 3]) < 0.7 * wide;
         input.force[axis] = pushed == "always" || (pushed == "over hills" && high) ? 2.0 : 0.3;
-        static_cast<void>(make_safe(state, limits, input));
+        chain(input);
         way += k > 0 ? glm::length(place - last) : 0.0;
         last = place;
     }
     const bool ends = stuck && pushed != "never";
-    CHECK((state.trip == (ends ? Trip::stuck_encoder : Trip::none)));
+    CHECK((chain.state.trip == (ends ? Trip::stuck_encoder : Trip::none)));
     CHECK((!ends || way < (pushed == "always" ? 0.15 : 0.6)));
 }

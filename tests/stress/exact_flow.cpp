@@ -1,5 +1,8 @@
 #include "tests/stress/exact_flow.hpp"
 
+#include <boost/math/tools/toms748_solve.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+
 namespace palpate::stress {
 namespace {
 
@@ -76,46 +79,21 @@ long double ExactFlow::room(const Piece& piece, const Place& p) const {
 
 /// Dormand & Prince (1980), J. Comp. Appl. Math. 6.
 ExactFlow::Step ExactFlow::step(const Piece& piece, const Place& from, long double s) const {
-    static constexpr long double kA[6][6] = {
-        {1.0L / 5.0L},
-        {3.0L / 40.0L, 9.0L / 40.0L},
-        {44.0L / 45.0L, -56.0L / 15.0L, 32.0L / 9.0L},
-        {19372.0L / 6561.0L, -25360.0L / 2187.0L, 64448.0L / 6561.0L, -212.0L / 729.0L},
-        {9017.0L / 3168.0L, -355.0L / 33.0L, 46732.0L / 5247.0L, 49.0L / 176.0L,
-         -5103.0L / 18656.0L},
-        {35.0L / 384.0L, 0.0L, 500.0L / 1113.0L, 125.0L / 192.0L, -2187.0L / 6784.0L,
-         11.0L / 84.0L}};
-    static constexpr long double kError[7] = {
-        71.0L / 57600.0L,      0.0L,           -71.0L / 16695.0L, 71.0L / 1920.0L,
-        -17253.0L / 339200.0L, 22.0L / 525.0L, -1.0L / 40.0L};
-    Two ways[7];
-    ways[0] = from.way;
-    Step result;
-    result.clean = true;
-    Place p;
-    for (std::size_t k = 0; k < 6; ++k) {
-        Two at = from.at;
-        for (std::size_t m = 0; m <= k; ++m) {
-            at[0] += s * kA[k][m] * ways[m][0];
-            at[1] += s * kA[k][m] * ways[m][1];
-        }
-        p = look(piece, at);
-        if (!p.regular) {
-            return result;
-        }
-        result.clean = result.clean && room(piece, p) >= 0.0L;
-        ways[k + 1] = p.way;
-    }
+    boost::numeric::odeint::runge_kutta_dopri5<Two, long double> rule;
+    Step result{.clean = true, .regular = true};
+    const auto slope = [&](const Two& at, Two& way, long double /*s*/) {
+        result.to = look(piece, at);
+        result.regular = result.regular && result.to.regular;
+        result.clean = result.clean && room(piece, result.to) >= 0.0L;
+        way = result.to.way;
+    };
+    Two to{};
+    Two way{};
     Two off{};
-    for (std::size_t m = 0; m < 7; ++m) {
-        off[0] += s * kError[m] * ways[m][0];
-        off[1] += s * kError[m] * ways[m][1];
-    }
+    rule.do_step(slope, from.at, from.way, 0.0L, to, way, s, off);
     const auto& [e, f, g] = from.metric;
     result.error = std::sqrt(
         std::max(e * off[0] * off[0] + 2.0L * f * off[0] * off[1] + g * off[1] * off[1], 0.0L));
-    result.to = p;
-    result.regular = true;
     return result;
 }
 
@@ -217,36 +195,23 @@ FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long dou
             tried = step(piece, p, s);
         }
         if (tried.regular && room(piece, tried.to) < 0.0L) {
-            long double good = 0.0L;
-            long double bad = s;
-            long double f_good = std::max(room(piece, p), 1e-15L);
-            long double f_bad = room(piece, tried.to);
-            Place inside = tried.to;
-            int last = 0;
-            for (int k = 0; k < 80 && bad - good > 1e-18L * p.reach; ++k) {
-                long double x = (good * f_bad - bad * f_good) / (f_bad - f_good);
-                if (!(x > good && x < bad) || k % 4 == 3) {
-                    x = 0.5L * (good + bad);
-                }
-                const Step there = step(piece, p, x);
-                if (!there.regular) {
-                    return ends(FlowEnd::Kind::lost);
-                }
-                const long double f = room(piece, there.to);
-                const bool out = f >= 0.0L;
-                if (!out) {
-                    inside = there.to;
-                }
-                (out ? good : bad) = x;
-                (out ? f_good : f_bad) = f;
-                (out ? f_bad : f_good) *= last == (out ? 1 : -1) ? 0.5L : 1.0L;
-                last = out ? 1 : -1;
-                if (!out && f > -1e-15L) {
-                    break;
-                }
+            bool regular = true;
+            const auto room_after = [&](long double way) {
+                const Step there = step(piece, p, way);
+                regular = regular && there.regular;
+                return regular ? room(piece, there.to) : 0.0L;  // which ends the search
+            };
+            std::uintmax_t tries = 80;
+            const long double whole =
+                boost::math::tools::toms748_solve(
+                    room_after, 0.0L, s, std::max(room(piece, p), 1e-15L), room(piece, tried.to),
+                    boost::math::tools::eps_tolerance<long double>(), tries)
+                    .second;
+            if (!regular) {
+                return ends(FlowEnd::Kind::lost);
             }
-            p = inside;
-            end.way += bad;
+            p = step(piece, p, whole).to;
+            end.way += whole;
             continue;  // within the cone, or on an edge
         }
         end.way += s;

@@ -9,8 +9,8 @@
 ///
 /// in long double, from the surface's definition: the Runge-Kutta pair of Dormand & Prince of
 /// orders 5 and 4 in the surface's own parameters, each step halved until no stage of it lies
-/// within the cone or beyond an edge, or its end is the place where that begins (regula falsi on
-/// the length of the step). It shares no code with the engine but for which patch lies beyond an
+/// within the cone or beyond an edge, or its end is the place where that begins (a root of the
+/// length of the step). It shares no code with the engine but for which patch lies beyond an
 /// edge.
 namespace palpate::stress {
 

@@ -1,5 +1,7 @@
 #include "tests/stress/exact_forms.hpp"
 
+#include <boost/math/tools/toms748_solve.hpp>
+
 namespace palpate::stress {
 namespace {
 
@@ -115,35 +117,17 @@ Signs signs_of(const Row& f, const Row& noise) {
     return starts && i == f.size() ? Signs::falls : Signs::other;
 }
 
-/// Where min(a, b) + share noise falls through 0, once: secants between the two ends, each followed
-/// by one of twice the length, so that both ends close in (Alefeld, Potra & Shi 1995), or halvings.
+/// Where min(a, b) + share noise falls through 0, once (Alefeld, Potra & Shi 1995).
 Real closed_in(const Row& a, const Row& b, const Row& noise, Real share) {
     const Row with_a = plus(a, noise, share);
     const Row with_b = plus(b, noise, share);
     const auto least = [&](Real x) {
         return std::min(value(with_a, x, 1.0L - x), value(with_b, x, 1.0L - x));
     };
-    Real lo = 0.0L;
-    Real hi = 1.0L;
-    Real at_lo = least(lo);
-    Real at_hi = least(hi);
-    const auto look = [&](Real x) {
-        if (x > lo && x < hi) {
-            const Real f = least(x);
-            (f > 0.0L ? lo : hi) = x;
-            (f > 0.0L ? at_lo : at_hi) = f;
-        }
-    };
-    for (int i = 0; i < 70 && hi - lo > 1e-19L * hi; ++i) {
-        const Real width = hi - lo;
-        const Real step = width / (at_lo - at_hi);
-        look(at_lo < -at_hi ? lo + at_lo * step : hi + at_hi * step);
-        look(at_lo < -at_hi ? lo + 2.0L * at_lo * step : hi + 2.0L * at_hi * step);
-        if (hi - lo > 0.5L * width) {
-            look(0.5L * (lo + hi));
-        }
-    }
-    return hi;
+    std::uintmax_t looks = 200;
+    return boost::math::tools::toms748_solve(least, 0.0L, 1.0L,
+                                             boost::math::tools::eps_tolerance<Real>(), looks)
+        .second;
 }
 
 bool first_of(Row a, Row b, Row noise, Real from, Real width, int halvings, Roots& roots) {
