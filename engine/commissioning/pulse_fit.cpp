@@ -1,6 +1,7 @@
 #include "engine/commissioning/pulse_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -122,11 +123,8 @@ struct Order {
     }
 };
 
-/// The turn of both joints by the push of each motor, at one place: [q1 by 1, q1 by 2; q2 ...].
-struct Response {
-    Vec2 row_1{};
-    Vec2 row_2{};
-};
+/// The turn of both joints by the push of each motor, at one place.
+using Response = std::array<Vec2, 2>;
 
 Response response_of(std::span<const Moments> pulses) {
     std::array<LeastSquares, 2> joint{LeastSquares(2), LeastSquares(2)};
@@ -138,21 +136,19 @@ Response response_of(std::span<const Moments> pulses) {
     }
     const auto one = joint[0].solved();
     const auto two = joint[1].solved();
-    return {.row_1 = {one[0], one[1]}, .row_2 = {two[0], two[1]}};
+    return {Vec2{one[0], two[0]}, Vec2{one[1], two[1]}};
 }
 
 /// A handle that is pushed goes along: the response to the joints' own torques is symmetric and
 /// positive definite. Of the eight orders of two motors that holds of one alone.
 /// @return the smaller eigenvalue of the symmetric part by the size of all, -1 to 1
 double positivity(const Response& response, const Order& order) {
-    const Vec2 column_1 = order.swapped ? Vec2{response.row_1.y, response.row_2.y}
-                                        : Vec2{response.row_1.x, response.row_2.x};
-    const Vec2 column_2 = order.swapped ? Vec2{response.row_1.x, response.row_2.x}
-                                        : Vec2{response.row_1.y, response.row_2.y};
-    const double xx = order.sign.x * column_1.x;
-    const double yy = order.sign.y * column_2.y;
-    const double one = order.sign.y * column_2.x;
-    const double two = order.sign.x * column_1.y;
+    const Vec2 by_1 = order.sign.x * response[order.swapped ? 1 : 0];
+    const Vec2 by_2 = order.sign.y * response[order.swapped ? 0 : 1];
+    const double xx = by_1.x;
+    const double yy = by_2.y;
+    const double one = by_2.x;
+    const double two = by_1.y;
     const double xy = 0.5 * (one + two);
     const double size = std::sqrt(xx * xx + yy * yy + one * one + two * two);
     const double least = 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy));

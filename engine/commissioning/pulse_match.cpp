@@ -20,16 +20,15 @@ std::string percent(double share) {
 }
 
 PantographPlant free_handle(const PantographSpec& spec, const HandleDynamics& dynamics) {
-    return PantographPlant(
-        {.machine = spec,
-         .inertia = dynamics.inertia,
-         .damping = dynamics.damping,
-         .coulomb = dynamics.friction,
-         .current_time = 0.0,
-         .handle_mass = dynamics.handle_mass,
-         .handle_damping = dynamics.handle_damping,
-         .handle_friction = dynamics.handle_friction,
-         .hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0}});
+    return PantographPlant({.machine = spec,
+                            .inertia = dynamics.inertia,
+                            .damping = dynamics.damping,
+                            .coulomb = dynamics.friction,
+                            .current_time = 0.0,
+                            .handle_mass = dynamics.handle_mass,
+                            .handle_damping = dynamics.handle_damping,
+                            .handle_friction = dynamics.handle_friction,
+                            .hand = kNobody});
 }
 
 std::string pushed_text(const Pulse& pulse, std::size_t axes) {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "engine/base/text.hpp"
+#include "engine/device/homing.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -153,11 +153,8 @@ Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
 }
 
 Rest PulseRunner::watch(double seconds) {
-    Rest rest;
-    Vec3 last = rest.place;
-    Vec3 least(std::numeric_limits<double>::infinity());
-    Vec3 max = -least;
-    double readings = 0.0;
+    Vec3 last{};
+    MarkCounts seen;
     for (double waited = 0.0; waited < seconds; waited += period_) {
         static_cast<void>(wait_());
         const Reading reading = device_->read();
@@ -167,19 +164,12 @@ Rest PulseRunner::watch(double seconds) {
         }
         const bool usable = reading.ok() || reading.fault == DeviceFault::unreachable;
         if (usable && reading.fresh) {
-            const Machine::Counts& counts = reading.counts;
-            const Vec3 now(counts[0], counts[1], counts[2]);
-            rest.counts += now;
-            least = glm::min(least, now);
-            max = glm::max(max, now);
+            seen.add(reading.counts);
             last = reading.hip;
-            readings += 1.0;
         }
     }
-    if (readings > 0.0) {
-        rest = {.place = last, .counts = rest.counts / readings, .span = max - least};
-    }
-    return rest;
+    return seen.readings() > 0 ? Rest{.place = last, .counts = seen.mean(), .span = seen.span()}
+                               : Rest{};
 }
 
 Vec3 acting_torque(std::span<const PulseSample> samples, std::size_t k, double delay) noexcept {

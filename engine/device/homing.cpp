@@ -140,23 +140,16 @@ void check_marks(std::span<const MarkReading> marks, bool scale) {
 }  // namespace
 
 void MarkCounts::add(const Pantograph::Counts& counts) noexcept {
-    for (std::size_t i = 0; i < 2; ++i) {
-        sum_[i] += counts[i];
-        min_[i] = readings_ == 0 ? counts[i] : std::min(min_[i], counts[i]);
-        max_[i] = readings_ == 0 ? counts[i] : std::max(max_[i], counts[i]);
-    }
+    const Vec3 now(counts[0], counts[1], counts[2]);
+    sum_ += now;
+    min_ = glm::min(min_, now);
+    max_ = glm::max(max_, now);
     ++readings_;
 }
 
 MarkReading MarkCounts::at(const Vec2& place) const {
     refuse_if(readings_ == 0, "nothing was read at the mark {}", text_of(place));
-    const auto mean = [&](std::size_t i) {
-        return static_cast<double>(sum_[i]) / readings_;
-    };
-    const auto span = [&](std::size_t i) {
-        return static_cast<double>(max_[i]) - static_cast<double>(min_[i]);
-    };
-    return {.place = place, .counts = {mean(0), mean(1)}, .span = {span(0), span(1)}};
+    return {.place = place, .counts = Vec2(mean()), .span = Vec2(span())};
 }
 
 Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks, bool scale) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -24,13 +25,17 @@ public:
     void add(const std::array<std::int32_t, kMaxAxes>& counts) noexcept;
     /// How many were added.
     [[nodiscard]] int readings() const noexcept { return readings_; }
+    /// Of each encoder. @pre something was read
+    [[nodiscard]] Vec3 mean() const noexcept { return sum_ / static_cast<double>(readings_); }
+    /// Largest count less smallest. @pre something was read
+    [[nodiscard]] Vec3 span() const noexcept { return max_ - min_; }
     /// @throws std::invalid_argument if nothing was read
     [[nodiscard]] MarkReading at(const Vec2& place) const;
 
 private:
-    std::array<std::int64_t, 2> sum_{};
-    std::array<std::int32_t, 2> min_{};
-    std::array<std::int32_t, 2> max_{};
+    Vec3 sum_{};
+    Vec3 min_{std::numeric_limits<double>::infinity()};
+    Vec3 max_{-min_};
     int readings_ = 0;
 };
 

@@ -39,6 +39,9 @@ Gantry::Gantry(const GantrySpec& spec) : spec_(spec) {
     for (int i = 0; i < 3; ++i) {
         const StraightAxis& axis = spec_.axes[static_cast<std::size_t>(i)];
         quantum_[i] = axis.radius * axis.motor.count_angle();
+        radius_[i] = axis.radius;
+        limit_[i] = axis.motor.torque_limit;
+        forever_[i] = axis.motor.torque_forever;
     }
 }
 
@@ -61,34 +64,12 @@ std::optional<Vec3> Gantry::locate(const Counts& counts) const noexcept {
     return holds(hip) ? std::optional(hip) : std::nullopt;
 }
 
-Gantry::Drive Gantry::drive(const Vec3& force) const noexcept {
-    Drive drive;
-    double largest = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        const StraightAxis& axis = spec_.axes[static_cast<std::size_t>(i)];
-        drive.torque[i] = axis.radius * force[i];
-        largest = std::fmax(largest, std::fabs(drive.torque[i]) / axis.motor.torque_limit);
-    }
-    if (largest > 1.0) {
-        drive.torque /= largest;
-        drive.saturated = true;
-    }
-    for (int i = 0; i < 3; ++i) {
-        drive.load[i] = std::fabs(drive.torque[i]) /
-                        spec_.axes[static_cast<std::size_t>(i)].motor.torque_forever;
-    }
-    return drive;
-}
-
 std::optional<double> Gantry::weakest_force(const Vec3& hip) const noexcept {
     if (!holds(hip)) {
         return std::nullopt;
     }
-    double weakest = spec_.axes[0].motor.torque_limit / spec_.axes[0].radius;
-    for (const StraightAxis& axis : spec_.axes) {
-        weakest = std::fmin(weakest, axis.motor.torque_limit / axis.radius);
-    }
-    return weakest;
+    const Vec3 max = limit_ / radius_;
+    return std::fmin(max.x, std::fmin(max.y, max.z));
 }
 
 std::optional<double> Gantry::reading_error(const Vec3& hip) const noexcept {
@@ -109,14 +90,10 @@ std::optional<Machine::Place> Machine::locate(const Counts& counts) const noexce
     return fix ? std::optional(Place{.hip = Vec3(fix->hip, 0.0), .fix = *fix}) : std::nullopt;
 }
 
-Machine::Drive Machine::drive(const Place& place, const Vec3& force) const noexcept {
-    if (const auto* gantry = std::get_if<Gantry>(&parts_)) {
-        return gantry->drive(force);
-    }
-    const Pantograph::Drive drive = std::get_if<Pantograph>(&parts_)->drive(place.fix, Vec2(force));
-    return {.torque = Vec3(drive.torque, 0.0),
-            .saturated = drive.saturated,
-            .load = Vec3(drive.load, 0.0)};
+MotorDrive Machine::drive(const Place& place, const Vec3& force) const noexcept {
+    const auto* gantry = std::get_if<Gantry>(&parts_);
+    return gantry != nullptr ? gantry->drive(force)
+                             : std::get_if<Pantograph>(&parts_)->drive(place.fix, Vec2(force));
 }
 
 std::optional<double> Machine::weakest_force(const Vec3& hip) const noexcept {

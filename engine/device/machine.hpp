@@ -19,13 +19,6 @@ class Gantry {
 public:
     using Counts = std::array<std::int32_t, kMaxAxes>;
 
-    /// Torques of the three motors.
-    struct Drive {
-        Vec3 torque{};           ///< N m, within the limits, all scaled alike
-        bool saturated = false;  ///< the force asked for needed more
-        Vec3 load{};             ///< |torque| / torque_forever of each motor
-    };
-
     /// @throws std::invalid_argument what check() refuses
     explicit Gantry(const GantrySpec& spec);
 
@@ -34,7 +27,9 @@ public:
     [[nodiscard]] std::optional<Vec3> locate(const Counts& counts) const noexcept;
     /// All torques scaled alike into the limits: the force keeps its direction.
     /// @param force  finite, N
-    [[nodiscard]] Drive drive(const Vec3& force) const noexcept;
+    [[nodiscard]] MotorDrive drive(const Vec3& force) const noexcept {
+        return within_limits(radius_ * force, limit_, forever_);
+    }
     /// The force that the motors can give in every direction at `hip`, N: the least of torque_limit
     /// / r. None: outside the workspace.
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept;
@@ -52,6 +47,9 @@ private:
 
     GantrySpec spec_;
     Vec3 quantum_{};
+    Vec3 radius_{};
+    Vec3 limit_{};  ///< of each torque, N m
+    Vec3 forever_{};
 };
 
 /// Whatever hangs on a board, between its motors and encoders and the object frame: a pantograph in
@@ -67,8 +65,6 @@ public:
         Pantograph::Fix fix{};  ///< of a pantograph
     };
 
-    using Drive = Gantry::Drive;
-
     /// @throws std::invalid_argument what check() refuses, and for a home out of reach
     explicit Machine(const Calibration& calibration);
 
@@ -82,7 +78,7 @@ public:
     /// None where the handle cannot be.
     [[nodiscard]] std::optional<Place> locate(const Counts& counts) const noexcept;
     /// @param force  finite, N, object frame
-    [[nodiscard]] Drive drive(const Place& place, const Vec3& force) const noexcept;
+    [[nodiscard]] MotorDrive drive(const Place& place, const Vec3& force) const noexcept;
     /// As Device::weakest_force
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept;
     /// As Device::reading_error

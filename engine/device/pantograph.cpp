@@ -19,6 +19,22 @@ std::int32_t rounded(double value) noexcept {
 
 }  // namespace
 
+MotorDrive within_limits(const Vec3& torque, const Vec3& limit, const Vec3& forever) noexcept {
+    MotorDrive drive{.torque = torque};
+    double largest = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        largest = std::fmax(largest, std::fabs(torque[i]) / limit[i]);
+    }
+    if (largest > 1.0) {
+        drive.torque /= largest;
+        drive.saturated = true;
+    }
+    for (int i = 0; i < 3; ++i) {
+        drive.load[i] = std::fabs(drive.torque[i]) / forever[i];
+    }
+    return drive;
+}
+
 Pantograph::Pantograph(const PantographSpec& spec) : spec_(spec), frame_(spec.origin, spec.turn) {
     check(spec);
 }
@@ -70,19 +86,11 @@ std::optional<JointAngles> Pantograph::reach(const Vec2& hip) const noexcept {
     return angles;
 }
 
-Pantograph::Drive Pantograph::drive(const Fix& fix, const Vec2& force) const noexcept {
-    Drive drive;
-    drive.torque = fix.jacobian.transposed(force);
+MotorDrive Pantograph::drive(const Fix& fix, const Vec2& force) const noexcept {
     const auto& [one, two] = spec_.axes;
-    const double largest = std::fmax(std::fabs(drive.torque.x) / one.torque_limit,
-                                     std::fabs(drive.torque.y) / two.torque_limit);
-    if (largest > 1.0) {
-        drive.torque /= largest;
-        drive.saturated = true;
-    }
-    drive.load = {std::fabs(drive.torque.x) / one.torque_forever,
-                  std::fabs(drive.torque.y) / two.torque_forever};
-    return drive;
+    return within_limits(Vec3(fix.jacobian.transposed(force), 0.0),
+                         Vec3(one.torque_limit, two.torque_limit, 1.0),
+                         Vec3(one.torque_forever, two.torque_forever, 1.0));
 }
 
 std::optional<double> Pantograph::weakest_force(const Vec2& hip) const noexcept {

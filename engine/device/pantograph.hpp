@@ -36,6 +36,18 @@ private:
     SinCos turn_;
 };
 
+/// Torques of a machine's motors; of two the third is 0.
+struct MotorDrive {
+    Vec3 torque{};           ///< N m, within the limits, all scaled alike
+    bool saturated = false;  ///< the force asked for needed more
+    Vec3 load{};             ///< |torque| / torque_forever of each motor
+};
+/// `torque` scaled into the limits: the force keeps its direction.
+/// @param limit, forever  N m, > 0, of each motor
+[[nodiscard]] MotorDrive within_limits(const Vec3& torque,
+                                       const Vec3& limit,
+                                       const Vec3& forever) noexcept;
+
 /// The arithmetic between a pantograph's motors and encoders and the object frame. A plain value.
 class Pantograph {
 public:
@@ -46,13 +58,6 @@ public:
         Vec2 hip{};              ///< object frame, m
         Jacobian jacobian{};     ///< of hip by the joint angles, m/rad, object frame
         double clearance = 0.0;  ///< from the next singular pose, m (Clearance::min)
-    };
-
-    /// Torques of both motors.
-    struct Drive {
-        Vec2 torque{};           ///< N m, within the limits, both scaled alike
-        bool saturated = false;  ///< the force asked for needed more
-        Vec2 load{};             ///< |torque| / torque_forever of each motor
     };
 
     /// @throws std::invalid_argument what check() refuses
@@ -71,7 +76,7 @@ public:
     [[nodiscard]] std::optional<JointAngles> reach(const Vec2& hip) const noexcept;
     /// tau = J^T F, both torques scaled alike into the limits: the force keeps its direction.
     /// @param force  finite, N, object frame
-    [[nodiscard]] Drive drive(const Fix& fix, const Vec2& force) const noexcept;
+    [[nodiscard]] MotorDrive drive(const Fix& fix, const Vec2& force) const noexcept;
     /// The largest force that the motors can give in every direction at `hip`, N; none if the
     /// handle cannot be there. Motor i holds F in the direction of column i of J with F |column i|,
     /// its worst: the least of torque_limit / |column|.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 
 #include "engine/device/device.hpp"
 
@@ -16,9 +17,14 @@ public:
     static constexpr double kStep = 1e-8;
 
     /// @param position  object frame, m, |coordinate| < 20 m
-    void publish(const Vec2& position) noexcept;
+    void publish(const Vec2& position) noexcept {
+        latest_.store({steps_of(position.x), steps_of(position.y)}, std::memory_order_relaxed);
+    }
 
-    [[nodiscard]] Reading read() noexcept override;
+    [[nodiscard]] Reading read() noexcept override {
+        const Steps at = latest_.load(std::memory_order_relaxed);
+        return {.hip = {at.x * kStep, at.y * kStep, 0.0}};
+    }
     AppliedForce write(const Vec3& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "mouse"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
@@ -28,6 +34,9 @@ private:
         std::int32_t x = 0;
         std::int32_t y = 0;
     };
+    static std::int32_t steps_of(double metres) noexcept {
+        return static_cast<std::int32_t>(std::floor(metres / kStep + 0.5));
+    }
     std::atomic<Steps> latest_{};
     static_assert(decltype(latest_)::is_always_lock_free, "a tick reads it");
 };

@@ -307,12 +307,10 @@ AppliedForce SimulatedPantograph::write(const Vec3& force) noexcept {
     AppliedForce applied;
     Vec2 torque{};
     if (fix_) {
-        const Pantograph::Drive drive = machine_.drive(*fix_, Vec2(force));
+        const MotorDrive drive = machine_.drive(*fix_, Vec2(force));
         const MotorCode one = coded(machine_.spec().axes[0], drive.torque.x);
         const MotorCode two = coded(machine_.spec().axes[1], drive.torque.y);
-        applied = {.codes = {one.code, two.code},
-                   .saturated = drive.saturated,
-                   .load = Vec3(drive.load, 0.0)};
+        applied = {.codes = {one.code, two.code}, .saturated = drive.saturated, .load = drive.load};
         torque = Vec2{one.torque, two.torque};
     } else {
         applied.saturated = Vec2(force) != Vec2{};

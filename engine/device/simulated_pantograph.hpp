@@ -18,6 +18,9 @@ struct HandModel {
     double strength = 4.0;     ///< N, the most that the spring pulls: it explores gently
 };
 
+/// On a handle that is free.
+inline constexpr HandModel kNobody{.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+
 /// Numbers of a machine that moves. The defaults are of the Mk-II's class.
 struct PlantModel {
     PantographSpec machine{};       ///< linkage, frame and torque limits; its encoders are not used

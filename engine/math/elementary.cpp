@@ -52,9 +52,6 @@ double atan_unit(double z) noexcept {
     return kAtanEighths[static_cast<std::size_t>(eighths)] + (t - t * s * p);
 }
 
-// ln 2 in two parts: n times part 1 is exact.
-constexpr double kHigh = 0x1.62e42fee00000p-1;
-constexpr double kLow = 0x1.a39ef35793c76p-33;
 constexpr double kPerLn2 = 0x1.71547652b82fep+0;
 
 /// A number as n ln 2 + r.
@@ -65,7 +62,7 @@ struct ReducedArgument {
 
 ReducedArgument reduced(double x) noexcept {
     const double n = std::floor(x * kPerLn2 + 0.5);
-    return {static_cast<std::int64_t>(n), (x - n * kHigh) - n * kLow};
+    return {static_cast<std::int64_t>(n), (x - n * kLn2Hi) - n * kLn2Lo};
 }
 
 /// e^r - 1 for |r| <= ln 2 / 2; the first term left out is below 1e-18 of the result.

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/lock_free.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
-#include "engine/realtime/lock_free.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "engine/realtime/tick_loop.hpp"
-#include "engine/safety/rest_watch.hpp"
+#include "engine/safety/motion_watch.hpp"
 
 namespace palpate::engine {
 

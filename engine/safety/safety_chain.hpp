@@ -4,12 +4,11 @@
 #include <cstdint>
 
 #include "engine/geometry/vec.hpp"
-#include "engine/safety/buzz_watch.hpp"
+#include "engine/safety/contact_watch.hpp"
 #include "engine/safety/encoder_watch.hpp"
 #include "engine/safety/energy_observer.hpp"
 #include "engine/safety/late_ticks.hpp"
 #include "engine/safety/motion_watch.hpp"
-#include "engine/safety/runaway_watch.hpp"
 #include "engine/safety/safety_limits.hpp"
 #include "engine/safety/trip.hpp"
 

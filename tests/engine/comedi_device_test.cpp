@@ -99,12 +99,12 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         const AppliedForce applied = device->write(Vec3(force, 0.0));
 
         const auto fix = *pantograph.locate(pantograph.angles(reading.counts));
-        const Pantograph::Drive drive = pantograph.drive(fix, force);
+        const MotorDrive drive = pantograph.drive(fix, force);
         const double code = (bench.output.max - bench.output.min) / bench.output.top;
         CHECK(std::fabs(volts_of(bench, 0) - 10.0 * drive.torque.x) <= 0.500001 * code);
         CHECK(std::fabs(volts_of(bench, 1) + 8.0 * drive.torque.y) <= 0.500001 * code);
         CHECK(applied.saturated == drive.saturated);
-        CHECK(applied.load == Vec3(drive.load, 0.0));
+        CHECK(applied.load == drive.load);
         CHECK(applied.codes[0] == static_cast<std::int32_t>(bench.code[0]));
         CHECK(applied.codes[1] == static_cast<std::int32_t>(bench.code[1]));
         CHECK(device->weakest_force(reading.hip) == pantograph.weakest_force(Vec2(reading.hip)));

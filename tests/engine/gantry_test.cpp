@@ -66,7 +66,7 @@ TEST_CASE(
     const double weakest = machine.weakest_force(home->hip).value();
     for (int i = 0; i < 20; ++i) {
         const Vec3 force(random.in(-20.0, 20.0), random.in(-20.0, 20.0), random.in(-20.0, 20.0));
-        const Machine::Drive drive = machine.drive(*home, force);
+        const MotorDrive drive = machine.drive(*home, force);
         Vec3 given{};
         for (int k = 0; k < 3; ++k) {
             const StraightAxis& axis = axes[static_cast<std::size_t>(k)];
@@ -113,7 +113,7 @@ TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper
     GantryModel model{.mass = 0.1 + 0.1 * (1.0 + share(random)),
                       .damping = 2.0 + share(random),
                       .current_time = 0.0};
-    model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    model.hand = kNobody;
     SimulatedGantry machine(model, 1e-3);
     machine.begin({.start = {0.01, -0.02, 0.03}});
     const Vec3 force = std::round(1e3 * 0.3) * 1e-3 * Vec3(share(random), share(random), 1.0);

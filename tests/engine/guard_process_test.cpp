@@ -191,18 +191,16 @@ TEST_CASE("a reconnection starts a new guard for one that is gone") {
 
 TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then") {
     EmulatedBoard board(haply_machine(), guided_hand());
-    const HaplyPacket setup =
+    const BoardBytes setup =
         setup_packet(haply_setup(*haply_machine().haply, haply_machine().pantograph));
-    constexpr std::array<std::uint8_t, 1> kAnswer{5};
     const pid_t careless = in_a_child([&] {
         SerialLink link(board.path());
         GuardProcess guard;
-        if (link.reopen() &&
-            guard.watch(link.descriptor(), {.zero = torque_packet(5, {0.0, 0.0})->view(),
-                                            .setup = setup.view(),
-                                            .answer = kAnswer,
-                                            .answer_size = 9})) {
-            for (const HaplyPacket& packet :
+        if (link.reopen() && guard.watch(link.descriptor(), {.zero = *torque_packet(5, {0.0, 0.0}),
+                                                             .setup = setup,
+                                                             .answer = {.bytes = {5}, .size = 1},
+                                                             .answer_size = 9})) {
+            for (const BoardBytes& packet :
                  {setup, *torque_packet(5, {0.05, -0.05}), reset_packet(5)}) {
                 link.pause(5'000'000);
                 static_cast<void>(link.send(packet.view()));
@@ -227,7 +225,7 @@ TEST_CASE("a guard that is to repeat zeros does so while its driver sleeps, whoe
     REQUIRE(stranger >= 0);
     const auto device = open_haply(board.path(), haply_machine());  // nobody ticks yet
     REQUIRE(board.motors().off());
-    const HaplyPacket foreign = *torque_packet(5, {0.1, 0.1});
+    const BoardBytes foreign = *torque_packet(5, {0.1, 0.1});
     const auto sent = [&] {
         static_cast<void>(write(stranger, foreign.bytes.data(), foreign.size) < 0);
         return !board.motors().off();

@@ -22,7 +22,7 @@ struct Naive {
         board.receive(bytes);
         poll(20);
     }
-    void send_packet(const HaplyPacket& packet) {
+    void send_packet(const BoardBytes& packet) {
         board.receive(packet.view());
         poll(20);
     }

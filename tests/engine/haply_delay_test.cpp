@@ -229,7 +229,7 @@ TEST_CASE("whoever else speaks to the board while nobody ticks is answered with 
     OpenHaply bench({0.4, -0.5}, 20);
     CHECK(bench.device->prove_zero());
     CHECK(bench.guard.repeats);
-    const HaplyPacket foreign = *torque_packet(5, {0.1, 0.1});
+    const BoardBytes foreign = *torque_packet(5, {0.1, 0.1});
     int on = 0;
     for (int ms = 0; ms < 1000; ++ms) {
         if (ms % 3 == 0 && ms < 600) {
@@ -250,7 +250,7 @@ TEST_CASE("no motor has a torque at a reset, whatever a program that died left b
     HaplyBench bench;
     HaplySetup other = haply_setup(*bench.machine.haply, bench.machine.pantograph);
     other.id = left == 0 ? std::uint8_t{5} : static_cast<std::uint8_t>(left);
-    for (const HaplyPacket& packet : {setup_packet(other), *torque_packet(other.id, {0.1, -0.1})}) {
+    for (const BoardBytes& packet : {setup_packet(other), *torque_packet(other.id, {0.1, -0.1})}) {
         bench.board.receive(packet.view());
         bench.cable.pass(5'000'000);
     }

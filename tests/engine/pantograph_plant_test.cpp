@@ -331,7 +331,7 @@ TEST_CASE("friction at the handle stops it as a mass on a plate is stopped") {
     model.handle_mass = kMass;
     model.handle_damping = damping;
     model.handle_friction = kFriction;
-    model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    model.hand = kNobody;
     PantographPlant plant(model);
     plant.begin({.start = {0.0, 0.050}, .tremor = 0.0});
     const Pantograph machine(model.machine);

@@ -111,7 +111,7 @@ TEST_CASE("counts, angles and places go back and forth, however the frame is tur
         };
         const Vec2 force = random.point(-0.3, 0.3);
         if (fix->clearance > 1.1 * spec.clearance) {
-            const Vec2 torque = machine.drive(*fix, force).torque;
+            const Vec3 torque = machine.drive(*fix, force).torque;
             CHECK_FALSE(machine.drive(*fix, force).saturated);
             CHECK(std::fabs(glm::dot(force, hip_at(e, 0.0) - hip_at(-e, 0.0)) / (2.0 * e) -
                             torque.x) < 1e-8);

@@ -1,6 +1,6 @@
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
-#include "engine/safety/rest_watch.hpp"
+#include "engine/safety/motion_watch.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"

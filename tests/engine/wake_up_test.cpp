@@ -1,6 +1,6 @@
+#include "engine/base/lock_free.hpp"
 #include "engine/realtime/deadline_grid.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
-#include "engine/realtime/lock_free.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "tests/support/catch.hpp"
 

@@ -55,7 +55,7 @@ BOARD_CASE("no state but armed has motors on, and every way between states is th
     CHECK(is_nak(talk.arm(), 2));
     CHECK(is_nak(talk.clear(), 2));
     CHECK(is_state(talk.disarm(), OpenState::boot));
-    OpenBytes other = open_hello(9);
+    BoardBytes other = open_hello(9);
     other.bytes[3] = 2;  // of version 2
     other.size -= 2;
     const std::uint16_t crc = open_crc(other.view());
@@ -238,7 +238,7 @@ BOARD_CASE("a spoilt frame is never obeyed, and the next one always") {
     Random random(11);
     int unheard = 0;
     for (int i = 0; i < trials; ++i) {
-        const OpenBytes frame = open_frame(open_torque(++talk.seq, {90000, 90000}));
+        const BoardBytes frame = open_frame(open_torque(++talk.seq, {90000, 90000}));
         std::vector<std::uint8_t> spoilt(frame.bytes.begin() + 1,
                                          frame.bytes.begin() + static_cast<int>(frame.size) - 1);
         const auto at = random.index(spoilt.size());

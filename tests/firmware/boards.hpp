@@ -74,7 +74,7 @@ struct Talk {
     }
     void send(std::span<const std::uint8_t> bytes) { board.receive(bytes); }
     /// Sends a body and waits for its answer. @return none: there was none within 3 ms
-    std::optional<engine::OpenAnswer> ask(const engine::OpenBytes& body) {
+    std::optional<engine::OpenAnswer> ask(const engine::BoardBytes& body) {
         answers.clear();
         send(engine::open_frame(body).view());
         for (int i = 0; i < 60 && answers.empty(); ++i) {

@@ -143,10 +143,10 @@ class Speaker {
 public:
     Speaker(OpenBoard& board, std::uint64_t address) : board_(&board), address_(address) {}
 
-    std::optional<OpenAnswer> say(const OpenBytes& body) {
+    std::optional<OpenAnswer> say(const BoardBytes& body) {
         return post(open_datagram(nonce, body));
     }
-    std::optional<OpenAnswer> post(const OpenBytes& datagram) {
+    std::optional<OpenAnswer> post(const BoardBytes& datagram) {
         board_->post(address_, datagram.view());
         const auto letter = board_->letter();
         if (!letter) {
@@ -192,10 +192,9 @@ TEST_CASE("bodies go without frames over a link of datagrams, and its guard know
     Listening link(wired.board, wired.random);
     const auto line = open_line(link, wired.machine);
     const GuardPackets packets = line->guard_packets();
-    CHECK(std::vector<std::uint8_t>(packets.zero.begin(), packets.zero.end()) == disarm);
+    CHECK(std::ranges::equal(packets.zero.view(), disarm));
     CHECK(packets.answer_size == 21);
-    CHECK(std::vector<std::uint8_t>(packets.answer.begin(), packets.answer.end()) ==
-          std::vector<std::uint8_t>{0x90, 0x00, 0x00});
+    CHECK(std::ranges::equal(packets.answer.view(), std::array{0x90, 0x00, 0x00}));
     CHECK(line->probe(1) == BoardLine::Answer::pending);
     CHECK(link.sent.size() == 1);
     CHECK(link.sent.front().size() == 13);
@@ -275,13 +274,13 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
     const OpenConfig config{.token = 7, .limit = {100'000, 100'000}};
     for (std::uint16_t seq = 1; seq < 2000; ++seq) {
         const int kind = seq == 1 ? 0 : random.below(8);
-        OpenBytes body = kind == 0 ? open_hello(seq)
-                       : kind == 1 ? open_config(seq, config)
-                       : kind == 2 ? open_token(OpenType::arm, seq, 7)
-                       : kind == 3 ? open_token(OpenType::clear, seq, 7)
-                       : kind == 4 ? open_bare(OpenType::disarm, seq)
-                       : kind == 5 ? open_bare(OpenType::peek, seq)
-                                   : open_torque(seq, {random.below(200'000), -5});
+        BoardBytes body = kind == 0 ? open_hello(seq)
+                        : kind == 1 ? open_config(seq, config)
+                        : kind == 2 ? open_token(OpenType::arm, seq, 7)
+                        : kind == 3 ? open_token(OpenType::clear, seq, 7)
+                        : kind == 4 ? open_bare(OpenType::disarm, seq)
+                        : kind == 5 ? open_bare(OpenType::peek, seq)
+                                    : open_torque(seq, {random.below(200'000), -5});
         if (seq > 1 && random.below(5) == 0) {
             body.bytes[random.index(body.size)] ^= 4U;
         }
@@ -296,7 +295,7 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
                 framed.assign(one.begin(), one.end());
             }
         }
-        const OpenBytes datagram = open_datagram(nonce, body);
+        const BoardBytes datagram = open_datagram(nonce, body);
         std::array<std::uint8_t, BOARD_DATAGRAM> answer{};
         std::size_t size = board_datagram(&bare, 9, datagram.bytes.data(),
                                           static_cast<std::uint16_t>(datagram.size), answer.data());
@@ -331,7 +330,7 @@ TEST_CASE("a stranger's datagrams never become those of the host, nor give a tor
         }
     };
 
-    OpenBytes broken = open_datagram({}, open_hello(1));
+    BoardBytes broken = open_datagram({}, open_hello(1));
     broken.bytes[broken.size - 1] ^= 1U;  // begins as a HELLO, and its CRC is wrong
     CHECK_FALSE(stranger.post(broken));
     host.arm();

@@ -82,7 +82,7 @@ DESK_CASE("over an open board HIP follows the hand and the motors the force") {
         fresh += reading.fresh ? 1 : 0;
         CHECK(glm::length(Vec2(reading.hip) - before) < 3e-4);
         const auto fix = pantograph.locate(pantograph.angles(reading.counts));
-        const Vec2 wanted = pantograph.drive(*fix, force).torque;
+        const Vec3 wanted = pantograph.drive(*fix, force).torque;
         CHECK(std::fabs(desk.board.torque().x - wanted.x) < 160e-6);
         CHECK(std::fabs(desk.board.torque().y - wanted.y) < 160e-6);
     }

@@ -20,7 +20,7 @@ std::vector<std::uint8_t> body_in(std::span<const std::uint8_t> wire) {
 }  // namespace
 
 TEST_CASE("frames of the open board are those of its protocol's table", "[open]") {
-    const auto frame = [](const OpenBytes& body) {
+    const auto frame = [](const BoardBytes& body) {
         return hex_of(open_frame(body).view());
     };
     CHECK(frame(open_hello(1)) == "00 03 01 01 02 01 03 50 C1 00");
@@ -54,7 +54,7 @@ TEST_CASE("frames of the open board are those of its protocol's table", "[open]"
 // with ours.
 TEST_CASE("frames of three axes are longer by a number for each array, and nothing else",
           "[open]") {
-    const auto frame = [](const OpenBytes& body) {
+    const auto frame = [](const BoardBytes& body) {
         return hex_of(open_frame(body).view());
     };
     CHECK(frame(open_config(2, {.token = 0x1234,
@@ -88,13 +88,13 @@ TEST_CASE("frames of three axes are longer by a number for each array, and nothi
 TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[open]") {
     Random random(3);
     for (int i = 0; i < 2000; ++i) {
-        OpenBytes body;
+        BoardBytes body;
         body.size = 1 + random.index(kOpenBody);
         for (std::size_t at = 0; at < body.size; ++at) {
             body.bytes[at] =
                 static_cast<std::uint8_t>(random.below(4) == 0 ? 0 : random.below(256));
         }
-        const OpenBytes frame = open_frame(body);
+        const BoardBytes frame = open_frame(body);
         REQUIRE(frame.size == body.size + 3);
         OpenReader reader;
         for (int noise = random.below(70); noise > 0; --noise) {

@@ -88,7 +88,7 @@ TEST_CASE(
         while (there && !link.reopen()) {
         }
         for (std::uint16_t seq = 1; there; ++seq) {
-            engine::OpenBytes hello = engine::open_datagram({}, engine::open_hello(seq));
+            engine::BoardBytes hello = engine::open_datagram({}, engine::open_hello(seq));
             hello.bytes[hello.size - 1] ^= static_cast<std::uint8_t>(whole ? 0 : 1);
             static_cast<void>(link.send(hello.view()));
             link.pause(50'000'000);
@@ -146,7 +146,7 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
     CHECK(eventually([&] { return count_of(emulator.out(), "give 0, 0 mN m") == 10; }));
     const auto disturb = [&] {
         for (std::uint16_t seq = 1; seq <= 40; ++seq) {
-            for (const engine::OpenBytes& body :
+            for (const engine::BoardBytes& body :
                  {engine::open_hello(seq), engine::open_bare(engine::OpenType::disarm, seq),
                   engine::open_torque(seq, {30'000, 30'000}, 2)}) {
                 static_cast<void>(stranger.send(engine::open_datagram({}, body).view()));

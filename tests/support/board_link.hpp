@@ -26,7 +26,8 @@ public:
 
     [[nodiscard]] bool watch(int /*port*/, const engine::GuardPackets& packets) override {
         ++script_->watches;
-        script_->zero.assign(packets.zero.begin(), packets.zero.end());
+        const auto zero = packets.zero.view();
+        script_->zero.assign(zero.begin(), zero.end());
         script_->tripped = false;
         script_->alive = script_->alive || script_->there;
         return script_->there;

@@ -244,7 +244,7 @@ inline CountedRest let_go(const CountedWall& c, double seconds) {
         const auto read = machine.locate(machine.angles(machine.counts(plant.angles())));
         const double deep = wall.rest + depth + c.shift - read->hip.y;
         const Vec2 force{0.0, std::fmax(0.0, c.stiffness * deep) - kWeight};
-        const Vec2 torque = machine.drive(*read, force).torque;
+        const Vec2 torque(machine.drive(*read, force).torque);
         plant.set_torque(c.delay == 1 ? waiting : torque);
         waiting = torque;
         plant.advance(c.period);

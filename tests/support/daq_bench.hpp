@@ -30,40 +30,32 @@ struct DaqBench {
 
 class FakeCard : public engine::DaqCard {
 public:
-    explicit FakeCard(DaqBench& bench) : bench_(bench) {}
+    FakeCard(DaqBench& bench, const engine::ComediWiring& wiring)
+        : bench_(bench), wiring_(wiring) {}
     int open() noexcept override {
         ++bench_.opened;
         bench_.is_open = bench_.open_error == 0;
         return bench_.open_error;
     }
     void close() noexcept override { bench_.is_open = false; }
-    int prepare_counter(std::uint32_t subdevice,
-                        std::uint32_t channel,
-                        std::uint32_t& top) noexcept override {
+    int prepare_counter(std::size_t axis, std::uint32_t& top) noexcept override {
         top = bench_.counter_top;
-        return subdevice == 4 && channel < 2 ? 0 : EINVAL;
+        return wiring_.counter_subdevice == 4 && wiring_.counter[axis] < 2 ? 0 : EINVAL;
     }
-    int prepare_output(std::uint32_t subdevice,
-                       std::uint32_t channel,
-                       std::uint32_t /*range*/,
-                       Output& output) noexcept override {
+    int prepare_output(std::size_t axis, Output& output) noexcept override {
+        const std::uint32_t channel = wiring_.output[axis];
         output = bench_.output;
-        return subdevice == 1 && channel >= 2 && channel < 4 ? 0 : EINVAL;
+        return wiring_.output_subdevice == 1 && channel >= 2 && channel < 4 ? 0 : EINVAL;
     }
-    int read_counter(std::uint32_t /*subdevice*/,
-                     std::uint32_t channel,
-                     std::uint32_t& value) noexcept override {
-        value = bench_.counter.at(channel);
+    int read_counter(std::size_t axis, std::uint32_t& value) noexcept override {
+        value = bench_.counter.at(wiring_.counter[axis]);
         return bench_.is_open ? bench_.step() : EBADF;
     }
-    int write_output(std::uint32_t /*subdevice*/,
-                     std::uint32_t channel,
-                     std::uint32_t range,
-                     std::uint32_t code) noexcept override {
+    int write_output(std::size_t axis, std::uint32_t code) noexcept override {
         const int error = bench_.is_open ? bench_.step() : EBADF;
         if (error == 0) {
-            bench_.code.at(channel - 2) = code;
-            bench_.range_used.push_back(range);
+            bench_.code.at(wiring_.output[axis] - 2) = code;
+            bench_.range_used.push_back(wiring_.range);
         }
         return error;
     }
@@ -72,6 +64,7 @@ public:
 
 private:
     DaqBench& bench_;
+    engine::ComediWiring wiring_;
 };
 
 inline engine::Calibration daq_calibration() {
@@ -89,7 +82,8 @@ inline engine::Calibration daq_calibration() {
 
 inline std::unique_ptr<engine::ComediDevice> plug(
     DaqBench& bench, const engine::Calibration& how = daq_calibration()) {
-    return std::make_unique<engine::ComediDevice>(std::make_unique<FakeCard>(bench), how);
+    return std::make_unique<engine::ComediDevice>(
+        std::make_unique<FakeCard>(bench, how.comedi.value_or(engine::ComediWiring{})), how);
 }
 
 inline double volts_of(const DaqBench& bench, std::size_t axis) {

@@ -116,7 +116,7 @@ public:
     engine::AppliedForce write(const engine::Vec3& force) noexcept override {
         max_asked_ = std::fmax(max_asked_, glm::length(force));
         const engine::Vec2 asked =
-            fix_ ? machine_.drive(*fix_, engine::Vec2(force)).torque : engine::Vec2{};
+            fix_ ? engine::Vec2(machine_.drive(*fix_, engine::Vec2(force)).torque) : engine::Vec2{};
         engine::Vec2 given{};
         for (int i = 0; i < 2; ++i) {
             given[i] =
@@ -134,7 +134,7 @@ public:
 
 private:
     static engine::PlantModel free_handle(engine::PlantModel plant) {
-        plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+        plant.hand = engine::kNobody;
         return plant;
     }
     /// N m of the cable and the drag.

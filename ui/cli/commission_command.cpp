@@ -50,7 +50,7 @@ struct Rig {
 engine::PlantModel free_plant(const engine::Calibration& machine) {
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
-    return engine::nobody_holds(plant);
+    return engine::held_by(plant, engine::kNobody);
 }
 
 Rig simulated_rig(const engine::Calibration& machine) {

@@ -272,8 +272,7 @@ AppliedForce BoardDevice::write(const Vec3& force) noexcept {
     if (fault_ != DeviceFault::none) {
         return hold_off(force);
     }
-    const Machine::Drive drive =
-        place_ && last_.ok() ? machine_.drive(*place_, force) : Machine::Drive{};
+    const MotorDrive drive = place_ && last_.ok() ? machine_.drive(*place_, force) : MotorDrive{};
     const bool finite = std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y) &&
                         std::isfinite(drive.torque.z);
     if (!finite || drive.torque == Vec3{}) {

@@ -10,21 +10,12 @@
 #include "engine/base/clock.hpp"
 
 namespace palpate::engine {
-namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-timespec span_of(std::int64_t ns) noexcept {
-    return {.tv_sec = ns / kSecond, .tv_nsec = ns % kSecond};
-}
-
-}  // namespace
 
 std::ptrdiff_t DescriptorLink::receive(std::span<std::uint8_t> into,
                                        std::int64_t wait_ns) noexcept {
     const std::int64_t deadline = now_ns() + wait_ns;
     while (true) {
-        const ssize_t got = ::read(port_, into.data(), into.size());
+        const ssize_t got = ::read(port_.get(), into.data(), into.size());
         if (got > 0) {
             return got;
         }
@@ -35,8 +26,8 @@ std::ptrdiff_t DescriptorLink::receive(std::span<std::uint8_t> into,
         if (left <= 0) {
             return 0;
         }
-        pollfd port{.fd = port_, .events = POLLIN, .revents = 0};
-        const timespec patience = span_of(left);
+        pollfd port{.fd = port_.get(), .events = POLLIN, .revents = 0};
+        const timespec patience = timespec_of(left);
         if (ppoll(&port, 1, &patience, nullptr) < 0 && errno != EINTR) {
             return -1;
         }
@@ -50,7 +41,7 @@ void DescriptorLink::drain() noexcept {
 }
 
 void DescriptorLink::pause(std::int64_t ns) noexcept {
-    const timespec while_long = span_of(ns);
+    const timespec while_long = timespec_of(ns);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &while_long, nullptr);
 }
 

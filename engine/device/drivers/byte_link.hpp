@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "engine/base/descriptor.hpp"
+
 namespace palpate::engine {
 
 /// The seam between a driver and the bytes' way to its board: a serial port, or a board in memory
@@ -54,7 +56,8 @@ public:
     void pause(std::int64_t ns) noexcept override;
     [[nodiscard]] std::int64_t now_ns() const noexcept override;
     [[nodiscard]] std::string trouble() const override { return trouble_; }
-    [[nodiscard]] int descriptor() const noexcept override { return port_; }
+    [[nodiscard]] int descriptor() const noexcept override { return port_.get(); }
+    void close() noexcept override { port_ = Descriptor(); }
 
 protected:
     /// read(2) gave nothing: is that for good?
@@ -62,7 +65,7 @@ protected:
     [[nodiscard]] virtual bool is_gone(std::ptrdiff_t got, int error) const noexcept = 0;
 
     std::string trouble_;
-    int port_ = -1;
+    Descriptor port_{};
 };
 
 }  // namespace palpate::engine

@@ -19,7 +19,8 @@ int last_error() noexcept {
 /// Comedi's calls are ioctls of a few microseconds. Written by its manual; no card was at hand.
 class ComediCard : public DaqCard {
 public:
-    explicit ComediCard(std::string file) : file_(std::move(file)) {}
+    ComediCard(std::string file, const ComediWiring& wiring)
+        : file_(std::move(file)), wiring_(wiring) {}
     ComediCard(const ComediCard&) = delete;
     ComediCard& operator=(const ComediCard&) = delete;
     ~ComediCard() override { shut(); }
@@ -32,9 +33,9 @@ public:
     }
     void close() noexcept override { shut(); }
 
-    [[nodiscard]] int prepare_counter(std::uint32_t subdevice,
-                                      std::uint32_t channel,
-                                      std::uint32_t& top) noexcept override {
+    [[nodiscard]] int prepare_counter(std::size_t axis, std::uint32_t& top) noexcept override {
+        const std::uint32_t subdevice = wiring_.counter_subdevice;
+        const std::uint32_t channel = wiring_.counter[axis];
         if (comedi_get_subdevice_type(card_, subdevice) != COMEDI_SUBD_COUNTER ||
             channel >= channels(subdevice)) {
             return EINVAL;
@@ -49,15 +50,14 @@ public:
         return top != 0 ? 0 : last_error();
     }
 
-    [[nodiscard]] int prepare_output(std::uint32_t subdevice,
-                                     std::uint32_t channel,
-                                     std::uint32_t range,
-                                     Output& output) noexcept override {
+    [[nodiscard]] int prepare_output(std::size_t axis, Output& output) noexcept override {
+        const std::uint32_t subdevice = wiring_.output_subdevice;
+        const std::uint32_t channel = wiring_.output[axis];
         if (comedi_get_subdevice_type(card_, subdevice) != COMEDI_SUBD_AO ||
             channel >= channels(subdevice)) {
             return EINVAL;
         }
-        const comedi_range* volts = comedi_get_range(card_, subdevice, channel, range);
+        const comedi_range* volts = comedi_get_range(card_, subdevice, channel, wiring_.range);
         if (volts == nullptr || volts->unit != UNIT_volt) {
             return EINVAL;
         }
@@ -67,22 +67,19 @@ public:
         return output.top != 0 ? 0 : last_error();
     }
 
-    [[nodiscard]] int read_counter(std::uint32_t subdevice,
-                                   std::uint32_t channel,
-                                   std::uint32_t& value) noexcept override {
+    [[nodiscard]] int read_counter(std::size_t axis, std::uint32_t& value) noexcept override {
         lsampl_t sample = 0;
-        if (comedi_data_read(card_, subdevice, channel, 0, AREF_GROUND, &sample) < 0) {
+        if (comedi_data_read(card_, wiring_.counter_subdevice, wiring_.counter[axis], 0,
+                             AREF_GROUND, &sample) < 0) {
             return last_error();
         }
         value = sample;
         return 0;
     }
 
-    [[nodiscard]] int write_output(std::uint32_t subdevice,
-                                   std::uint32_t channel,
-                                   std::uint32_t range,
-                                   std::uint32_t code) noexcept override {
-        return comedi_data_write(card_, subdevice, channel, range, AREF_GROUND, code) < 0
+    [[nodiscard]] int write_output(std::size_t axis, std::uint32_t code) noexcept override {
+        return comedi_data_write(card_, wiring_.output_subdevice, wiring_.output[axis],
+                                 wiring_.range, AREF_GROUND, code) < 0
                  ? last_error()
                  : 0;
     }
@@ -103,13 +100,16 @@ private:
     }
 
     std::string file_;
+    ComediWiring wiring_;
     comedi_t* card_ = nullptr;
 };
 
 }  // namespace
 
 std::unique_ptr<Device> open_comedi(const std::string& file, const Calibration& calibration) {
-    return std::make_unique<ComediDevice>(std::make_unique<ComediCard>(file), calibration);
+    return std::make_unique<ComediDevice>(
+        std::make_unique<ComediCard>(file, calibration.comedi.value_or(ComediWiring{})),
+        calibration);
 }
 
 }  // namespace palpate::engine

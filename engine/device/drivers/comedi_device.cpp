@@ -116,8 +116,7 @@ std::string ComediDevice::start() {
 std::string ComediDevice::prepare(std::size_t axis) {
     Channel& channel = channels_[axis];
     DaqCard::Output output;
-    int error = card_->prepare_output(wiring_.output_subdevice, wiring_.output[axis], wiring_.range,
-                                      output);
+    int error = card_->prepare_output(axis, output);
     if (error != 0) {
         return refused(error);
     }
@@ -128,13 +127,12 @@ std::string ComediDevice::prepare(std::size_t axis) {
     }
     channel.output = output;
     channel.zero = code(axis, 0.0);
-    error = put(axis, channel.zero);
+    error = card_->write_output(axis, channel.zero);
     if (error == 0) {
-        error = card_->prepare_counter(wiring_.counter_subdevice, wiring_.counter[axis],
-                                       channel.counter_top);
+        error = card_->prepare_counter(axis, channel.counter_top);
     }
     if (error == 0) {
-        error = card_->read_counter(wiring_.counter_subdevice, wiring_.counter[axis], channel.last);
+        error = card_->read_counter(axis, channel.last);
     }
     if (error != 0) {
         return refused(error);
@@ -163,7 +161,7 @@ std::string ComediDevice::refused(int error) const {
 void ComediDevice::silence() noexcept {
     for (std::size_t axis = 0; axis < 2; ++axis) {
         if (channels_[axis].output.top != 0) {
-            static_cast<void>(put(axis, channels_[axis].zero));
+            static_cast<void>(card_->write_output(axis, channels_[axis].zero));
         }
     }
 }
@@ -173,10 +171,6 @@ void ComediDevice::fail(DeviceFault fault, int error) noexcept {
     error_ = error;
     fix_.reset();
     silence();
-}
-
-int ComediDevice::put(std::size_t axis, std::uint32_t code) noexcept {
-    return card_->write_output(wiring_.output_subdevice, wiring_.output[axis], wiring_.range, code);
 }
 
 std::uint32_t ComediDevice::code(std::size_t axis, double volts) const noexcept {
@@ -198,7 +192,7 @@ std::int64_t ComediDevice::counted(std::size_t axis) const noexcept {
 bool ComediDevice::follow(std::size_t axis) noexcept {
     Channel& channel = channels_[axis];
     std::uint32_t value = 0;
-    const int error = card_->read_counter(wiring_.counter_subdevice, wiring_.counter[axis], value);
+    const int error = card_->read_counter(axis, value);
     if (error != 0) {
         fail(fault_of(error), error);
         return false;
@@ -238,16 +232,16 @@ AppliedForce ComediDevice::write(const Vec3& force) noexcept {
     AppliedForce applied;
     std::array<std::uint32_t, 2> codes{channels_[0].zero, channels_[1].zero};
     if (fix_) {
-        const Pantograph::Drive drive = pantograph_.drive(*fix_, Vec2(force));
+        const MotorDrive drive = pantograph_.drive(*fix_, Vec2(force));
         if (std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y)) {
             applied.saturated = drive.saturated;
-            applied.load = Vec3(drive.load, 0.0);
+            applied.load = drive.load;
             codes = {code(0, drive.torque.x * wiring_.volts_per_newton_metre[0]),
                      code(1, drive.torque.y * wiring_.volts_per_newton_metre[1])};
         }
     }
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        const int error = put(axis, codes[axis]);
+        const int error = card_->write_output(axis, codes[axis]);
         if (error != 0 && fault_ == DeviceFault::none) {
             fail(fault_of(error), error);
             codes = {channels_[0].zero, channels_[1].zero};
@@ -272,7 +266,7 @@ DeviceTraits ComediDevice::traits() const noexcept {
 bool ComediDevice::prove_zero() noexcept {
     bool written = true;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        const int error = put(axis, channels_[axis].zero);
+        const int error = card_->write_output(axis, channels_[axis].zero);
         if (error != 0 && fault_ == DeviceFault::none) {
             fail(fault_of(error), error);
         }

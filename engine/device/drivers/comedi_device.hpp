@@ -11,8 +11,9 @@
 
 namespace palpate::engine {
 
-/// The few calls that a pantograph needs of a data acquisition card: two counters in, two voltages
-/// out. Calls return 0, or the driver's error number; none throws. One thread at a time.
+/// The few calls that a pantograph needs of a data acquisition card, wired as ComediWiring says: of
+/// each axis, 0 or 1, a counter in and a voltage out. Calls return 0, or the driver's error number;
+/// none throws. One thread at a time.
 class DaqCard {
 public:
     /// What an output channel can do.
@@ -33,20 +34,10 @@ public:
     virtual void close() noexcept = 0;
     /// A quadrature counter, every edge counted; one that counts already keeps its value.
     /// @param top  its largest value, 2^bits - 1
-    [[nodiscard]] virtual int prepare_counter(std::uint32_t subdevice,
-                                              std::uint32_t channel,
-                                              std::uint32_t& top) noexcept = 0;
-    [[nodiscard]] virtual int prepare_output(std::uint32_t subdevice,
-                                             std::uint32_t channel,
-                                             std::uint32_t range,
-                                             Output& output) noexcept = 0;
-    [[nodiscard]] virtual int read_counter(std::uint32_t subdevice,
-                                           std::uint32_t channel,
-                                           std::uint32_t& value) noexcept = 0;
-    [[nodiscard]] virtual int write_output(std::uint32_t subdevice,
-                                           std::uint32_t channel,
-                                           std::uint32_t range,
-                                           std::uint32_t code) noexcept = 0;
+    [[nodiscard]] virtual int prepare_counter(std::size_t axis, std::uint32_t& top) noexcept = 0;
+    [[nodiscard]] virtual int prepare_output(std::size_t axis, Output& output) noexcept = 0;
+    [[nodiscard]] virtual int read_counter(std::size_t axis, std::uint32_t& value) noexcept = 0;
+    [[nodiscard]] virtual int write_output(std::size_t axis, std::uint32_t code) noexcept = 0;
 
     [[nodiscard]] virtual std::string name() const = 0;  ///< e.g. "/dev/comedi0"
     [[nodiscard]] virtual std::string explain(int error) const = 0;
@@ -114,7 +105,6 @@ private:
     [[nodiscard]] bool follow(std::size_t axis) noexcept;
     [[nodiscard]] std::int64_t counted(std::size_t axis) const noexcept;
     [[nodiscard]] std::uint32_t code(std::size_t axis, double volts) const noexcept;
-    [[nodiscard]] int put(std::size_t axis, std::uint32_t code) noexcept;
     [[nodiscard]] std::string refused(int error) const;
 
     std::unique_ptr<DaqCard> card_;

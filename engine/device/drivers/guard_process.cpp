@@ -4,12 +4,9 @@
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
-#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/types.h>
@@ -20,44 +17,15 @@
 #include "engine/base/descriptor.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/shell.hpp"
 
 namespace palpate::engine {
 namespace {
 
-constexpr int kPatienceMs = 1500;  ///< of busctl
-constexpr int kMoveMs = 500;       ///< until the process is there
+constexpr int kMoveMs = 500;  ///< until the process is there
 
 std::string group_of(const std::string& process) {
     return file_text("/proc/" + process + "/cgroup");
-}
-
-/// Runs a program that says nothing. @return true if it ended well and in time
-bool ran(std::vector<std::string> words) {
-    std::vector<char*> pointers;
-    for (std::string& word : words) {
-        pointers.push_back(word.data());
-    }
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    for (int fd = 0; fd <= 2; ++fd) {
-        posix_spawn_file_actions_addopen(&files, fd, "/dev/null", O_RDWR, 0);
-    }
-    pid_t child = -1;
-    const int failed =
-        posix_spawnp(&child, pointers.front(), &files, nullptr, pointers.data(), environ);
-    posix_spawn_file_actions_destroy(&files);
-    if (failed != 0) {
-        return false;
-    }
-    int status = 1;
-    for (int waited = 0; waitpid(child, &status, WNOHANG) == 0; ++waited) {
-        if (waited == kPatienceMs) {
-            kill(child, SIGKILL);
-        }
-        poll(nullptr, 0, 1);
-    }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 /// Moves a process of this program into a control group of its own, a transient scope of systemd:
@@ -66,17 +34,15 @@ bool ran(std::vector<std::string> words) {
 /// @return false: there is no systemd, it refused, or it took too long; the process stays
 bool set_apart(pid_t process) {
     const std::string id = std::to_string(process);
-    std::vector<std::string> words{"busctl", "--timeout=1"};
-    if (geteuid() != 0) {
-        words.emplace_back("--user");
-    }
-    words.insert(words.end(),
-                 {"call", "org.freedesktop.systemd1", "/org/freedesktop/systemd1",
-                  "org.freedesktop.systemd1.Manager", "StartTransientUnit", "ssa(sv)a(sa(sv))",
-                  "palpate-guard-" + id + ".scope", "fail", "1", "PIDs", "au", "1", id, "0"});
+    const std::string asked =
+        "timeout --foreground -s KILL 1.5 busctl --timeout=1 " +
+        std::string(geteuid() == 0 ? "" : "--user ") +
+        "call org.freedesktop.systemd1 /org/freedesktop/systemd1 org.freedesktop.systemd1.Manager "
+        "StartTransientUnit 'ssa(sv)a(sa(sv))' palpate-guard-" +
+        id + ".scope fail 1 PIDs au 1 " + id + " 0 </dev/null >/dev/null 2>&1";
     const std::string ours = group_of("self");
     bool apart = false;
-    if (ran(words)) {
+    if (output_of(asked).second == 0) {
         for (int waited = 0; waited < kMoveMs && !apart; ++waited) {
             apart = group_of(id) != ours;
             poll(nullptr, 0, 1);
@@ -116,11 +82,10 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
                   std::atomic<bool>::is_always_lock_free,
               "two processes share them");
 
-bool send_message(int socket, const GuardMessage& message, int port) noexcept {
-    GuardMessage copy = message;
-    iovec body{.iov_base = &copy, .iov_len = sizeof copy};
+bool send_message(int socket, GuardPackets packets, int port) noexcept {
+    iovec body{.iov_base = &packets, .iov_len = sizeof packets};
     return send_with_file(socket, {&body, 1}, port, MSG_NOSIGNAL) ==
-           static_cast<ssize_t>(sizeof copy);
+           static_cast<ssize_t>(sizeof packets);
 }
 
 }  // namespace
@@ -196,18 +161,14 @@ bool GuardProcess::acknowledged() const noexcept {
 }
 
 bool GuardProcess::watch(int port, const GuardPackets& packets) {
-    GuardMessage message;
-    if (packets.zero.empty() || port < 0 || packets.answer.size() > packets.answer_size ||
-        !message.zero.fill(packets.zero) || !message.setup.fill(packets.setup) ||
-        !message.answer.fill(packets.answer)) {
+    if (packets.zero.size == 0 || port < 0 || packets.answer.size > packets.answer_size) {
         return false;
     }
-    message.answer_size = packets.answer_size;
     force_off();
     repeat_zeros(false);
     for (int attempt = 0; attempt < 2; ++attempt) {
         shared_->tripped.store(false);
-        if (listens() && send_message(socket_, message, port) && acknowledged()) {
+        if (listens() && send_message(socket_, packets, port) && acknowledged()) {
             return true;
         }
         end();
@@ -219,7 +180,7 @@ bool GuardProcess::watch(int port, const GuardPackets& packets) {
 }
 
 void GuardProcess::release() noexcept {
-    if (pid_ > 0 && !(listens() && send_message(socket_, GuardMessage{}, -1) && acknowledged())) {
+    if (pid_ > 0 && !(listens() && send_message(socket_, {}, -1) && acknowledged())) {
         kill(pid_, SIGKILL);  // it would keep the port's name taken
     }
 }

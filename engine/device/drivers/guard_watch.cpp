@@ -1,8 +1,11 @@
 #include "engine/device/drivers/guard_watch.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <span>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -18,6 +21,7 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/base/descriptor.hpp"
+#include "engine/device/drivers/motor_guard.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -31,7 +35,7 @@ constexpr int kRepeatMs = 20;
 /// State of the one guard in this process.
 struct GuardState {
     int port = -1;
-    GuardMessage packets{};
+    GuardPackets packets{};
 };
 
 void close_between(unsigned first, unsigned last) noexcept {
@@ -77,7 +81,7 @@ void wait_ms(int ms) noexcept {
 }
 
 /// Never blocks: the port is non-blocking, and what cannot be written soon is given up.
-void write_packet(int port, const GuardBytes& packet) noexcept {
+void write_packet(int port, const BoardBytes& packet) noexcept {
     for (int i = 0; i < 3; ++i) {
         if (write(port, packet.bytes.data(), packet.size) >= 0) {
             return;
@@ -97,12 +101,10 @@ void zero(const GuardState& guarded) noexcept {
 }
 
 /// A whole answer to `zero` is among the bytes.
-bool answered(const GuardMessage& packets, std::span<const std::uint8_t> bytes) noexcept {
-    const GuardBytes& begins = packets.answer;
-    for (std::size_t at = 0; at + packets.answer_size <= bytes.size(); ++at) {
-        if (std::equal(begins.bytes.begin(),
-                       begins.bytes.begin() + static_cast<std::ptrdiff_t>(begins.size),
-                       bytes.begin() + static_cast<std::ptrdiff_t>(at))) {
+bool answered(const GuardPackets& packets, std::span<const std::uint8_t> bytes) noexcept {
+    const auto begins = packets.answer.view();
+    for (; bytes.size() >= packets.answer_size; bytes = bytes.subspan(1)) {
+        if (std::ranges::equal(begins, bytes.first(begins.size()))) {
             return true;
         }
     }
@@ -142,7 +144,7 @@ void zero_for_good(const GuardState& guarded) noexcept {
 
 /// @return false when palpate has closed the socket
 bool take_message(int socket, GuardState& guarded) noexcept {
-    GuardMessage message;
+    GuardPackets message;
     int port = -1;
     if (receive_with_file(socket, std::as_writable_bytes(std::span(&message, 1)), port,
                           MSG_DONTWAIT) != static_cast<ssize_t>(sizeof message)) {
@@ -158,11 +160,7 @@ bool take_message(int socket, GuardState& guarded) noexcept {
 
 /// Waits for `ms`, or shorter: true as soon as the thread that gives force has died.
 bool thread_died(GuardShared& shared, int ms) noexcept {
-    timespec until{};
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    const std::int64_t ns = until.tv_nsec + ms * kMillisecond;
-    until.tv_sec += ns / (1000 * kMillisecond);
-    until.tv_nsec = ns % (1000 * kMillisecond);
+    const timespec until = timespec_of(monotonic_ns() + ms * kMillisecond);
     const int got = pthread_mutex_clocklock(&shared.life, CLOCK_MONOTONIC, &until);
     if (got == ETIMEDOUT) {
         return false;

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <pthread.h>
 #include <sys/types.h>
@@ -32,29 +28,9 @@ struct GuardShared {
     std::atomic<bool> held{false};  ///< life is
 };
 
-/// Bytes that fit into a datagram.
-struct GuardBytes {
-    std::array<std::uint8_t, 64> bytes{};
-    std::size_t size = 0;
-
-    /// @return false if they are too many
-    [[nodiscard]] bool fill(std::span<const std::uint8_t> from) noexcept {
-        size = from.size() <= bytes.size() ? from.size() : 0;
-        std::copy_n(from.begin(), size, bytes.begin());
-        return size == from.size();
-    }
-};
-
-/// What palpate sends its guard, one datagram each; the port travels beside it as a descriptor.
-struct GuardMessage {
-    GuardBytes zero{};
-    GuardBytes setup{};
-    GuardBytes answer{};  ///< how it begins
-    std::size_t answer_size = 0;
-};
-
 /// The guard's life, in a process just forked. Only async-signal-safe calls; it never returns.
-/// @param socket  to palpate; @param owner  palpate's process id
+/// @param socket  to palpate, which sends GuardPackets, one datagram each, and beside it the port
+///        as a descriptor   @param owner  palpate's process id
 [[noreturn]] void guard_motors(int socket,
                                pid_t owner,
                                GuardShared& shared,

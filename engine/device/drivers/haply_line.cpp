@@ -48,9 +48,9 @@ std::string HaplyLine::refusal() const {
 }
 
 GuardPackets HaplyLine::guard_packets() const noexcept {
-    return {.zero = zero_.view(),
-            .setup = setup_packet_.view(),
-            .answer = zero_.view().subspan(1, 1),
+    return {.zero = zero_,
+            .setup = setup_packet_,
+            .answer = {.bytes = {setup_.id}, .size = 1},
             .answer_size = reply_size_};
 }
 

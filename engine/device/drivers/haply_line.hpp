@@ -47,9 +47,9 @@ private:
 
     HaplyWiring wiring_;
     HaplySetup setup_;
-    HaplyPacket reset_packet_;
-    HaplyPacket setup_packet_;
-    HaplyPacket zero_;
+    BoardBytes reset_packet_;
+    BoardBytes setup_packet_;
+    BoardBytes zero_;
     std::size_t reply_size_;
     Answer last_set_up_ = Answer::complete;
     std::array<std::uint8_t, 256> kept_{};  ///< bytes of answers not yet complete

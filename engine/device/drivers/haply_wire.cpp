@@ -1,6 +1,5 @@
 #include "engine/device/drivers/haply_wire.hpp"
 
-#include <bit>
 #include <cmath>
 
 namespace palpate::engine {
@@ -11,42 +10,21 @@ constexpr std::uint8_t kSetup = 1;
 constexpr std::uint8_t kExchange = 2;
 constexpr std::uint8_t kPorts12 = 0b11;
 
-void add(HaplyPacket& packet, std::uint8_t byte) noexcept {
-    packet.bytes[packet.size++] = byte;
-}
-
-void add(HaplyPacket& packet, double value) noexcept {
+void add(BoardBytes& packet, double value) noexcept {
     for (const std::uint8_t byte : wire_bytes(static_cast<float>(value))) {
-        add(packet, byte);
+        packet.add(byte);
     }
 }
 
 /// Clockwise is 0, anticlockwise 1.
-void add_port_pair(HaplyPacket& packet, const std::array<bool, 2>& clockwise) noexcept {
-    add(packet, kPorts12);
+void add_port_pair(BoardBytes& packet, const std::array<bool, 2>& clockwise) noexcept {
+    packet.add(kPorts12);
     for (const bool cw : clockwise) {
-        add(packet, static_cast<std::uint8_t>(cw ? 0 : 1));
+        packet.add(static_cast<std::uint8_t>(cw ? 0 : 1));
     }
 }
 
 }  // namespace
-
-float wire_float(std::span<const std::uint8_t, 4> bytes) noexcept {
-    std::uint32_t bits = 0;
-    for (std::size_t i = 4; i-- > 0;) {
-        bits = bits << 8U | bytes[i];
-    }
-    return std::bit_cast<float>(bits);
-}
-
-std::array<std::uint8_t, 4> wire_bytes(float value) noexcept {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
-    std::array<std::uint8_t, 4> bytes{};
-    for (std::size_t i = 0; i < 4; ++i) {
-        bytes[i] = static_cast<std::uint8_t>(bits >> (8U * i));
-    }
-    return bytes;
-}
 
 HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     check({.pantograph = pantograph, .haply = wiring});
@@ -60,17 +38,15 @@ HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantogra
     return setup;
 }
 
-HaplyPacket setup_packet(const HaplySetup& setup) noexcept {
-    HaplyPacket packet;
-    add(packet, kSetup);
-    add(packet, setup.id);
+BoardBytes setup_packet(const HaplySetup& setup) noexcept {
+    BoardBytes packet{.bytes = {kSetup, setup.id}, .size = 2};
     add_port_pair(packet, setup.motor_clockwise);
     add_port_pair(packet, setup.encoder_clockwise);
-    add(packet, static_cast<std::uint8_t>(setup.sensor_pin ? 1 : 0));
+    packet.add(static_cast<std::uint8_t>(setup.sensor_pin ? 1 : 0));
     if (setup.sensor_pin) {
-        add(packet, *setup.sensor_pin);
+        packet.add(*setup.sensor_pin);
     }
-    add(packet, std::uint8_t{0});  // no PWM pins
+    packet.add(0);  // no PWM pins
     for (std::size_t i = 0; i < 2; ++i) {
         add(packet, setup.offset_deg[i]);
         add(packet, setup.counts_per_turn[i]);
@@ -78,31 +54,24 @@ HaplyPacket setup_packet(const HaplySetup& setup) noexcept {
     return packet;
 }
 
-HaplyPacket reset_packet(std::uint8_t id) noexcept {
-    HaplyPacket packet;
-    add(packet, kReset);
-    add(packet, id);
-    return packet;
+BoardBytes reset_packet(std::uint8_t id) noexcept {
+    return {.bytes = {kReset, id}, .size = 2};
 }
 
-HaplyPacket quiet_packet(std::uint8_t id) noexcept {
-    HaplyPacket packet;
-    add(packet, kExchange);
-    add(packet, id);
+BoardBytes quiet_packet(std::uint8_t id) noexcept {
+    BoardBytes packet{.bytes = {kExchange, id}, .size = 2};
     for (int i = 0; i < (id == 0 ? 16 : 8); ++i) {
-        add(packet, kHaplyNoCommand);
+        packet.add(kHaplyNoCommand);
     }
     return packet;
 }
 
-std::optional<HaplyPacket> torque_packet(std::uint8_t id,
-                                         const std::array<double, 2>& torque) noexcept {
+std::optional<BoardBytes> torque_packet(std::uint8_t id,
+                                        const std::array<double, 2>& torque) noexcept {
     if (id == 0) {
         return std::nullopt;
     }
-    HaplyPacket packet;
-    add(packet, kExchange);
-    add(packet, id);
+    BoardBytes packet{.bytes = {kExchange, id}, .size = 2};
     for (const double newton_metres : torque) {
         if (!(std::fabs(newton_metres) <= 1e6)) {  // finite as a float as well
             return std::nullopt;

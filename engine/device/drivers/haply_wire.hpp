@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "engine/device/calibration.hpp"
+#include "engine/device/drivers/board_bytes.hpp"
 
 /// The bytes between palpate and a Haply board (hAPI, firmware of the dev kit, M0 and M3). Integers
 /// are one byte, floats IEEE-754 binary32, little-endian. There is no start byte, no length, no
@@ -21,17 +23,6 @@ namespace palpate::engine {
 
 /// The largest angle of a reply that is believed, degrees.
 inline constexpr double kHaplyLargestAngle = 1e4;
-
-/// A packet to the board.
-struct HaplyPacket {
-    std::array<std::uint8_t, 64> bytes{};
-    std::size_t size = 0;
-
-    /// The bytes of the packet.
-    [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
-        return {bytes.data(), size};
-    }
-};
 
 /// What a set-up says, in the order of ports 1 and 2.
 struct HaplySetup {
@@ -56,16 +47,16 @@ struct HaplyReply {
 [[nodiscard]] HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph);
 
 /// Of what haply_setup() gave.
-[[nodiscard]] HaplyPacket setup_packet(const HaplySetup& setup) noexcept;
+[[nodiscard]] BoardBytes setup_packet(const HaplySetup& setup) noexcept;
 
 /// Clears the addresses of all motors and encoders. It leaves the motors as they are: send zero
 /// torque before. @param id  not 0, as haply_setup() has it
-[[nodiscard]] HaplyPacket reset_packet(std::uint8_t id) noexcept;
+[[nodiscard]] BoardBytes reset_packet(std::uint8_t id) noexcept;
 
 /// Zero torque for a board of which nothing is known, of which 0 are the motors that were not set
 /// up, four at most: 3 is no command, and four of them as a torque are 4e-37 N m, no step of the
 /// duty. The bytes of a zero would be resets to a board without this id.
-[[nodiscard]] HaplyPacket quiet_packet(std::uint8_t id) noexcept;
+[[nodiscard]] BoardBytes quiet_packet(std::uint8_t id) noexcept;
 
 /// A byte that is no command.
 inline constexpr std::uint8_t kHaplyNoCommand = 3;
@@ -73,8 +64,8 @@ inline constexpr std::uint8_t kHaplyNoCommand = 3;
 /// @param torque  of ports 1 and 2, N m
 /// @return none for id 0, which would match every motor that was not set up, and for a torque that
 ///         is not finite, which the board turns into an undefined duty
-[[nodiscard]] std::optional<HaplyPacket> torque_packet(
-    std::uint8_t id, const std::array<double, 2>& torque) noexcept;
+[[nodiscard]] std::optional<BoardBytes> torque_packet(std::uint8_t id,
+                                                      const std::array<double, 2>& torque) noexcept;
 
 /// Bytes of a reply.
 [[nodiscard]] constexpr std::size_t reply_size(bool sensor) noexcept {
@@ -87,9 +78,15 @@ inline constexpr std::uint8_t kHaplyNoCommand = 3;
                                                    std::uint8_t id,
                                                    bool sensor) noexcept;
 
-/// binary32 at `bytes`, little-endian.
-[[nodiscard]] float wire_float(std::span<const std::uint8_t, 4> bytes) noexcept;
+static_assert(std::endian::native == std::endian::little, "a float goes as it lies in memory");
+using WireFloat = std::array<std::uint8_t, sizeof(float)>;
+/// The float of four bytes.
+[[nodiscard]] inline float wire_float(std::span<const std::uint8_t, 4> bytes) noexcept {
+    return std::bit_cast<float>(WireFloat{bytes[0], bytes[1], bytes[2], bytes[3]});
+}
 /// The four bytes of a float.
-[[nodiscard]] std::array<std::uint8_t, 4> wire_bytes(float value) noexcept;
+[[nodiscard]] inline WireFloat wire_bytes(float value) noexcept {
+    return std::bit_cast<WireFloat>(value);
+}
 
 }  // namespace palpate::engine

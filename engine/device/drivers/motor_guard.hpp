@@ -1,18 +1,17 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <span>
+
+#include "engine/device/drivers/board_bytes.hpp"
 
 namespace palpate::engine {
 
 /// What a guard says to a board, and hears from it.
 struct GuardPackets {
-    std::span<const std::uint8_t> zero;  ///< switches the motors off
-    std::span<const std::uint8_t>
-        setup;  ///< what the board may need to understand it; may be empty
-    std::span<const std::uint8_t> answer;  ///< how the answer to `zero` begins, at most 8 bytes
-    std::size_t answer_size = 0;           ///< bytes of the whole answer
+    BoardBytes zero{};            ///< switches the motors off
+    BoardBytes setup{};           ///< what the board may need to understand it; may be empty
+    BoardBytes answer{};          ///< how the answer to `zero` begins, at most 8 bytes
+    std::size_t answer_size = 0;  ///< bytes of the whole answer
 };
 
 /// Whoever switches the motors off when this program no longer can: a process of its own, or, in

@@ -141,15 +141,16 @@ std::string port_trouble(const std::string& path, int error) {
 
 /// errno, or 0.
 int SerialLink::configure() const noexcept {
+    const int port = port_.get();
     termios raw{};
-    if (tcgetattr(port_, &raw) != 0) {
+    if (tcgetattr(port, &raw) != 0) {
         return ENOTTY;
     }
-    if (ioctl(port_, TIOCEXCL) != 0 || flock(port_, LOCK_EX | LOCK_NB) != 0) {
+    if (ioctl(port, TIOCEXCL) != 0 || flock(port, LOCK_EX | LOCK_NB) != 0) {
         return errno;
     }
     if (!port_holder(path_).empty()) {  // who had it open before the locks, and set it as they need
-        ioctl(port_, TIOCNXCL);
+        ioctl(port, TIOCNXCL);
         return EBUSY;
     }
     cfmakeraw(&raw);
@@ -158,47 +159,41 @@ int SerialLink::configure() const noexcept {
     raw.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
     raw.c_cc[VMIN] = 1;  // nothing there is EAGAIN, so that 0 bytes mean a hang-up
     raw.c_cc[VTIME] = 0;
-    if (tcsetattr(port_, TCSANOW, &raw) != 0) {
+    if (tcsetattr(port, TCSANOW, &raw) != 0) {
         return errno;
     }
     serial_struct chip{};
-    if (megabaud_ && ioctl(port_, TIOCGSERIAL, &chip) == 0) {
+    if (megabaud_ && ioctl(port, TIOCGSERIAL, &chip) == 0) {
         chip.flags = static_cast<int>(static_cast<unsigned>(chip.flags) |
                                       ASYNC_LOW_LATENCY);  // an FTDI chip would gather for 16 ms
-        ioctl(port_, TIOCSSERIAL, &chip);
+        ioctl(port, TIOCSSERIAL, &chip);
     }
     return 0;
 }
 
 bool SerialLink::reopen() {
     close();
-    port_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    const int error = port_ < 0 ? errno : configure();
+    port_ = Descriptor(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    const int error = port_.get() < 0 ? errno : configure();
     if (error == 0) {
         trouble_.clear();
         drain();
         return true;
     }
-    if (port_ >= 0) {  // not by close(): the port may be another's, whose TIOCEXCL stays
-        ::close(port_);
-        port_ = -1;
-    }
+    DescriptorLink::close();  // not ours: the port may be another's, whose TIOCEXCL stays
     trouble_ = port_trouble(path_, error);
     return false;
 }
 
 void SerialLink::close() noexcept {
-    if (port_ >= 0) {
-        ioctl(port_, TIOCNXCL);
-        ::close(port_);
-        port_ = -1;
-    }
+    ioctl(port_.get(), TIOCNXCL);
+    DescriptorLink::close();
 }
 
 bool SerialLink::send(std::span<const std::uint8_t> packet) noexcept {
     ssize_t sent = -1;
     do {
-        sent = ::write(port_, packet.data(), packet.size());
+        sent = ::write(port_.get(), packet.data(), packet.size());
     } while (sent < 0 && errno == EINTR);
     return sent == static_cast<ssize_t>(packet.size());
 }

@@ -7,7 +7,6 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -57,26 +56,20 @@ bool UdpLink::reopen() {
     }
     const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(first, &freeaddrinfo);
     int error = 0;
-    for (const addrinfo* one = first; one != nullptr && port_ < 0; one = one->ai_next) {
-        port_ = socket(one->ai_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-        if (port_ < 0 || connect(port_, one->ai_addr, one->ai_addrlen) != 0) {
+    for (const addrinfo* one = first; one != nullptr && port_.get() < 0; one = one->ai_next) {
+        port_ = Descriptor(socket(one->ai_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+        if (port_.get() < 0 || connect(port_.get(), one->ai_addr, one->ai_addrlen) != 0) {
             error = errno;
             close();
         }
     }
-    trouble_ = port_ >= 0 ? "" : "there is no way to " + name() + ": " + std::strerror(error);
-    return port_ >= 0;
-}
-
-void UdpLink::close() noexcept {
-    if (port_ >= 0) {
-        ::close(port_);
-        port_ = -1;
-    }
+    const bool open = port_.get() >= 0;
+    trouble_ = open ? "" : "there is no way to " + name() + ": " + std::strerror(error);
+    return open;
 }
 
 bool UdpLink::send(std::span<const std::uint8_t> packet) noexcept {
-    return ::send(port_, packet.data(), packet.size(), MSG_NOSIGNAL) >= 0 || passes(errno);
+    return ::send(port_.get(), packet.data(), packet.size(), MSG_NOSIGNAL) >= 0 || passes(errno);
 }
 
 bool UdpLink::is_gone(std::ptrdiff_t got, int error) const noexcept {

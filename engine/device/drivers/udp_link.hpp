@@ -30,11 +30,9 @@ class UdpLink : public DescriptorLink {
 public:
     /// Does not open it yet: reopen() does.
     explicit UdpLink(UdpAddress address) : address_(std::move(address)) {}
-    ~UdpLink() override { UdpLink::close(); }
 
     [[nodiscard]] bool send(std::span<const std::uint8_t> packet) noexcept override;
     [[nodiscard]] bool reopen() override;
-    void close() noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] bool keeps_packets() const noexcept override { return true; }
 

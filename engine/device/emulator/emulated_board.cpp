@@ -1,9 +1,7 @@
 #include "engine/device/emulator/emulated_board.hpp"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -17,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/lock_free.hpp"
 #include "engine/base/refuse.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
@@ -27,9 +26,6 @@
 
 namespace palpate::engine {
 
-/// Whose numbers are counts.
-using LogCounts = std::array<int, sizeof(BoardLog) / sizeof(int)>;
-
 struct EmulatedBoard::Shared {
     enum class Life : std::uint8_t { starting, running, failed };
 
@@ -37,11 +33,8 @@ struct EmulatedBoard::Shared {
     std::array<char, 256> path{};
     std::atomic<bool> quit{false};
 
-    std::atomic<std::uint64_t> version{0};  ///< odd while the three below change
-    std::atomic<double> torque_1{0.0};
-    std::atomic<double> torque_2{0.0};
-    std::atomic<std::int64_t> since_ns{0};
-    std::array<std::atomic<int>, std::tuple_size_v<LogCounts>> log{};
+    LatestValue<Motors> motors;
+    LatestValue<BoardLog> log;
 
     Exploration plan{};
     std::atomic<unsigned> ordered{0};  ///< explorations asked for
@@ -90,22 +83,28 @@ void obey(Shared& shared, BoardHand& hand, PortBoard& board, PtyBoard& terminal)
     shared.stopped.follow([&](bool on) { board.press_stop(on); });
 }
 
-void tell(Shared& shared, const BoardHand& hand, const PortBoard& board) noexcept {
-    const Vec2 torque(board.torque());
-    if (torque.x != shared.torque_1.load() || torque.y != shared.torque_2.load()) {
-        ++shared.version;
-        shared.torque_1.store(torque.x);
-        shared.torque_2.store(torque.y);
-        shared.since_ns.store(monotonic_ns());
-        ++shared.version;
+/// @param told  what the motors were said to get
+void tell(Shared& shared,
+          EmulatedBoard::Motors& told,
+          const BoardHand& hand,
+          const PortBoard& board) noexcept {
+    if (const Vec2 torque(board.torque()); torque != told.torque) {
+        told = {.torque = torque, .since_ns = monotonic_ns()};
+        shared.motors.publish(told);
     }
-    const auto* haply = dynamic_cast<const HaplyBoard*>(&board);
-    const BoardLog log = haply == nullptr ? BoardLog{} : haply->journal();
-    const auto counts = std::bit_cast<LogCounts>(log);
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-        shared.log[i].store(counts[i], std::memory_order_relaxed);
+    if (const auto* haply = dynamic_cast<const HaplyBoard*>(&board)) {
+        shared.log.publish(haply->journal());
     }
     shared.done.store(hand.hand_is_done());
+}
+
+template <class T>
+T newest(const LatestValue<T>& value) noexcept {
+    while (true) {
+        if (const auto now = value.read()) {
+            return *now;
+        }
+    }
 }
 
 void live(Shared& shared,
@@ -123,9 +122,10 @@ void live(Shared& shared,
     PtyBoard terminal(*board, link);
     terminal.path().copy(shared.path.data(), shared.path.size() - 1);
     shared.life.store(Shared::Life::running);
+    EmulatedBoard::Motors told;
     while (!shared.quit.load() && getppid() == owner) {
         terminal.step(kStepUs);
-        tell(shared, *hand, *board);
+        tell(shared, told, *hand, *board);
         obey(shared, *hand, *board, terminal);
     }
 }
@@ -158,6 +158,8 @@ EmulatedBoard::EmulatedBoard(const Calibration& machine,
     refuse_if<std::runtime_error>(memory == MAP_FAILED,
                                   "no memory to share with the emulator: end some programs");
     shared_ = new (memory) Shared{};
+    shared_->motors.publish({});
+    shared_->log.publish({});
     const pid_t owner = getpid();
     pid_ = fork();
     if (pid_ == 0) {
@@ -207,20 +209,11 @@ void EmulatedBoard::await(const std::function<bool()>& done, const char* what) c
 }
 
 EmulatedBoard::Motors EmulatedBoard::motors() const noexcept {
-    while (true) {
-        const std::uint64_t before = shared_->version.load();
-        const Motors motors{.torque = Vec2{shared_->torque_1.load(), shared_->torque_2.load()},
-                            .since_ns = shared_->since_ns.load()};
-        if (before % 2 == 0 && shared_->version.load() == before) {
-            return motors;
-        }
-    }
+    return newest(shared_->motors);
 }
 
 BoardLog EmulatedBoard::journal() const noexcept {
-    LogCounts counts{};
-    std::ranges::copy(shared_->log, counts.begin());
-    return std::bit_cast<BoardLog>(counts);
+    return newest(shared_->log);
 }
 
 void EmulatedBoard::begin(const Exploration& plan) {

@@ -80,12 +80,6 @@ void DeskHand::advance(double seconds) noexcept {
 
 namespace {
 
-/// The same handle in the hand that explores.
-PlantModel somebody_holds(PlantModel plant) {
-    plant.hand = {};
-    return plant;
-}
-
 GantrySpec gantry_of(const Calibration& machine) {
     refuse_if(!machine.gantry, "the machine {} has no three axes", machine.name());
     return *machine.gantry;
@@ -94,9 +88,7 @@ GantrySpec gantry_of(const Calibration& machine) {
 GantryModel model_of(const Calibration& machine, bool held) {
     GantryModel model;
     model.damping = machine.damping().value_or(model.damping);
-    if (!held) {
-        model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
-    }
+    model.hand = held ? HandModel{} : kNobody;
     return model;
 }
 
@@ -108,7 +100,7 @@ SurfaceExploration round_from(const GantrySpec& machine) {
 }  // namespace
 
 FreeHandle::FreeHandle(const PlantModel& plant, const Vec2& place)
-    : plant_(nobody_holds(plant)), stroke_(somebody_holds(plant)), machine_(plant.machine) {
+    : plant_(held_by(plant, kNobody)), stroke_(held_by(plant, {})), machine_(plant.machine) {
     put(place);
 }
 

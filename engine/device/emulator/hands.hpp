@@ -70,9 +70,9 @@ private:
     Act act_ = Act::waits;
 };
 
-/// `plant` without a hand on its handle.
-[[nodiscard]] inline PlantModel nobody_holds(PlantModel plant) {
-    plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+/// `plant` with this hand on its handle.
+[[nodiscard]] inline PlantModel held_by(PlantModel plant, const HandModel& hand) {
+    plant.hand = hand;
     return plant;
 }
 

@@ -28,7 +28,7 @@ public:
     struct Letter {
         std::int64_t due = 0;  ///< polls since it began
         std::uint64_t to = 0;
-        OpenBytes datagram{};
+        BoardBytes datagram{};
     };
     /// An answer to a datagram that is due.
     [[nodiscard]] std::optional<Letter> letter();

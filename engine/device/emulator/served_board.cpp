@@ -24,7 +24,7 @@ constexpr int kMaxCommands = 64;  ///< a step
 
 bool readable(int fd, std::int64_t wait_ns) noexcept {
     pollfd one{.fd = fd, .events = POLLIN, .revents = 0};
-    const timespec wait{.tv_sec = wait_ns / 1'000'000'000, .tv_nsec = wait_ns % 1'000'000'000};
+    const timespec wait = timespec_of(wait_ns);
     return ppoll(&one, 1, &wait, nullptr) > 0 && (one.revents & POLLIN) != 0;
 }
 
@@ -179,7 +179,7 @@ void UdpBoard::answer() {
 
 void UdpBoard::step(int wait_us) {
     pollfd one{.fd = socket_.get(), .events = POLLIN, .revents = 0};
-    const timespec wait{.tv_sec = 0, .tv_nsec = 1000L * wait_us};
+    const timespec wait = timespec_of(std::int64_t{wait_us} * 1000);
     if (ppoll(&one, 1, &wait, nullptr) > 0) {
         take();
     }

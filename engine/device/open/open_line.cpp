@@ -14,9 +14,10 @@ constexpr double kJump = 0.3;   ///< rad: no joint turns so far between two answ
 constexpr double kLeap = 0.02;  ///< m: nor moves a straight axis
 constexpr int kMaxNews = 8;     ///< answers looked at in a millisecond
 constexpr int kDisarms = 3;
-constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
+// STATE with the guard's number, in a frame and bare.
+constexpr BoardBytes kDisarmed{.bytes = {0x02, 0x90, 0x01}, .size = 3};
 constexpr std::size_t kStateBody = 13;  ///< bytes of a STATE's body, and 4 for each axis
-constexpr std::array<std::uint8_t, 3> kDisarmedBody{0x90, 0x00, 0x00};
+constexpr BoardBytes kDisarmedBody{.bytes = {0x90, 0x00, 0x00}, .size = 3};
 
 OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& machine)
     : BoardLine(link),
@@ -51,11 +52,11 @@ std::uint16_t OpenLine::next_seq() noexcept {
     return seq_;
 }
 
-OpenBytes OpenLine::packed(const OpenBytes& body) const noexcept {
+BoardBytes OpenLine::packed(const BoardBytes& body) const noexcept {
     return bare_ ? open_datagram(nonce_, body) : open_frame(body);
 }
 
-bool OpenLine::send(const OpenBytes& body) noexcept {
+bool OpenLine::send(const BoardBytes& body) noexcept {
     asked_ns_ = link_->now_ns();
     return link_->send(packed(body).view());
 }
@@ -126,7 +127,7 @@ std::optional<OpenAnswer> OpenLine::opened(std::span<const std::uint8_t> datagra
 }
 
 /// A question and its answer; what answers older questions is dropped.
-std::optional<OpenAnswer> OpenLine::call(const OpenBytes& body, std::int64_t wait_ns) noexcept {
+std::optional<OpenAnswer> OpenLine::call(const BoardBytes& body, std::int64_t wait_ns) noexcept {
     forget();
     if (!send(body)) {
         lost_ = true;
@@ -317,7 +318,7 @@ OpenLine::Answer OpenLine::hear(std::int64_t wait_ns, std::size_t leave) noexcep
 }
 
 GuardPackets OpenLine::guard_packets() const noexcept {
-    return {.zero = disarm_.view(),
+    return {.zero = disarm_,
             .setup = {},
             .answer = bare_ ? kDisarmedBody : kDisarmed,
             .answer_size = kStateBody + 4 * axes_ + (bare_ ? 0 : 1)};  // its frame without zeros

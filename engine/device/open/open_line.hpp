@@ -66,10 +66,10 @@ private:
         other_host,
     };
 
-    [[nodiscard]] bool send(const OpenBytes& body) noexcept;
-    [[nodiscard]] OpenBytes packed(const OpenBytes& body) const noexcept;
+    [[nodiscard]] bool send(const BoardBytes& body) noexcept;
+    [[nodiscard]] BoardBytes packed(const BoardBytes& body) const noexcept;
     [[nodiscard]] std::uint16_t next_seq() noexcept;
-    [[nodiscard]] std::optional<OpenAnswer> call(const OpenBytes& body,
+    [[nodiscard]] std::optional<OpenAnswer> call(const BoardBytes& body,
                                                  std::int64_t wait_ns) noexcept;
     [[nodiscard]] std::optional<OpenAnswer> next_answer(std::int64_t wait_ns) noexcept;
     [[nodiscard]] std::optional<OpenAnswer> opened(std::span<const std::uint8_t> datagram) noexcept;
@@ -91,7 +91,7 @@ private:
     OpenAxes counts_per_turn_{};           ///< by channel
     OpenAxes limit_{};                     ///< uN m, by channel
     std::array<double, kMaxAxes> jump_{};  ///< counts between two answers that cannot be, by axis
-    OpenBytes disarm_;
+    BoardBytes disarm_;
     OpenReader reader_;
     std::array<std::uint8_t, 256> came_{};
     std::size_t came_at_ = 0;

@@ -35,7 +35,7 @@ public:
         u8(static_cast<std::uint8_t>(type));
         u16(seq);
     }
-    void u8(std::uint8_t value) noexcept { out_.bytes[out_.size++] = value; }
+    void u8(std::uint8_t value) noexcept { out_.add(value); }
     void u16(std::uint16_t value) noexcept {
         u8(static_cast<std::uint8_t>(value));
         u8(static_cast<std::uint8_t>(value >> 8U));
@@ -50,13 +50,13 @@ public:
         u16(static_cast<std::uint16_t>(bits));
         u16(static_cast<std::uint16_t>(bits >> 16U));
     }
-    [[nodiscard]] OpenBytes done() noexcept {
+    [[nodiscard]] BoardBytes done() noexcept {
         u16(open_crc(out_.view()));
         return out_;
     }
 
 private:
-    OpenBytes out_;
+    BoardBytes out_;
 };
 
 class Cursor {
@@ -135,14 +135,14 @@ std::uint16_t open_crc(std::span<const std::uint8_t> bytes) noexcept {
     return static_cast<std::uint16_t>(crc ^ 0xFFFFU);
 }
 
-OpenBytes open_hello(std::uint16_t seq) noexcept {
+BoardBytes open_hello(std::uint16_t seq) noexcept {
     Writer out(OpenType::hello, seq);
     out.u8(kOpenMajor);
     out.u8(0);
     return out.done();
 }
 
-OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept {
+BoardBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept {
     Writer out(OpenType::config, seq);
     out.u16(config.token);
     out.u8(config.watchdog_ms);
@@ -151,24 +151,24 @@ OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept {
     return out.done();
 }
 
-OpenBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept {
+BoardBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept {
     Writer out(type, seq);
     out.u16(token);
     return out.done();
 }
 
-OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept {
+BoardBytes open_bare(OpenType type, std::uint16_t seq) noexcept {
     return Writer(type, seq).done();
 }
 
-OpenBytes open_torque(std::uint16_t seq, const OpenAxes& torque, std::size_t axes) noexcept {
+BoardBytes open_torque(std::uint16_t seq, const OpenAxes& torque, std::size_t axes) noexcept {
     Writer out(OpenType::torque, seq);
     out.i32(torque, axes);
     return out.done();
 }
 
-OpenBytes open_datagram(const OpenNonce& nonce, const OpenBytes& body) noexcept {
-    OpenBytes datagram;
+BoardBytes open_datagram(const OpenNonce& nonce, const BoardBytes& body) noexcept {
+    BoardBytes datagram;
     datagram.size = kOpenNonce + body.size;
     const auto rest = std::copy(nonce.begin(), nonce.end(), datagram.bytes.begin());
     std::copy_n(body.bytes.begin(), body.size, rest);
@@ -176,20 +176,20 @@ OpenBytes open_datagram(const OpenNonce& nonce, const OpenBytes& body) noexcept 
 }
 
 /// Bodies are shorter than a block of COBS: no block is full.
-OpenBytes open_frame(const OpenBytes& body) noexcept {
-    OpenBytes frame;
+BoardBytes open_frame(const BoardBytes& body) noexcept {
+    BoardBytes frame;
     std::size_t code = 1;
     frame.size = 2;
     for (const std::uint8_t byte : body.view()) {
         if (byte != 0) {
-            frame.bytes[frame.size++] = byte;
+            frame.add(byte);
             continue;
         }
         frame.bytes[code] = static_cast<std::uint8_t>(frame.size - code);
         code = frame.size++;
     }
     frame.bytes[code] = static_cast<std::uint8_t>(frame.size - code);
-    frame.bytes[frame.size++] = 0;
+    frame.add(0);
     return frame;
 }
 

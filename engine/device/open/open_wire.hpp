@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/device/calibration.hpp"
+#include "engine/device/drivers/board_bytes.hpp"
 
 /// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc
 /// u16; on a serial line a frame is 00, COBS(body), 00; a datagram is nonce u64, body. A board has
@@ -45,17 +46,6 @@ enum OpenFlag : std::uint16_t {
     kOpenLostBytes = 1U << 6U,
     kOpenWasHung = 1U << 7U,
     kOpenClamped3 = 1U << 10U,
-};
-
-/// Bytes of a packet.
-struct OpenBytes {
-    std::array<std::uint8_t, kOpenDatagram> bytes{};
-    std::size_t size = 0;
-
-    /// The bytes that are in use; valid while this lives.
-    [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
-        return {bytes.data(), size};
-    }
 };
 
 /// A number for each axis: of two the third is 0.
@@ -114,16 +104,16 @@ struct OpenAnswer {
 [[nodiscard]] std::uint16_t open_crc(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Bodies, CRC included.
-[[nodiscard]] OpenBytes open_hello(std::uint16_t seq) noexcept;
-[[nodiscard]] OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept;
+[[nodiscard]] BoardBytes open_hello(std::uint16_t seq) noexcept;
+[[nodiscard]] BoardBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept;
 /// @param type  arm or clear
-[[nodiscard]] OpenBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept;
+[[nodiscard]] BoardBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept;
 /// @param type  disarm or peek
-[[nodiscard]] OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept;
+[[nodiscard]] BoardBytes open_bare(OpenType type, std::uint16_t seq) noexcept;
 /// @param torque  uN m   @param axes  2 or 3, of the board
-[[nodiscard]] OpenBytes open_torque(std::uint16_t seq,
-                                    const OpenAxes& torque,
-                                    std::size_t axes = 2) noexcept;
+[[nodiscard]] BoardBytes open_torque(std::uint16_t seq,
+                                     const OpenAxes& torque,
+                                     std::size_t axes = 2) noexcept;
 
 /// Of a NAK: the token is not that of the board's last CONFIG.
 inline constexpr std::uint8_t kOpenOtherToken = 5;
@@ -134,10 +124,10 @@ inline constexpr std::uint8_t kOpenOtherHost = 7;
 using OpenNonce = std::array<std::uint8_t, kOpenNonce>;
 
 /// A body as it goes in a datagram.
-[[nodiscard]] OpenBytes open_datagram(const OpenNonce& nonce, const OpenBytes& body) noexcept;
+[[nodiscard]] BoardBytes open_datagram(const OpenNonce& nonce, const BoardBytes& body) noexcept;
 
 /// A body as it goes over a serial line.
-[[nodiscard]] OpenBytes open_frame(const OpenBytes& body) noexcept;
+[[nodiscard]] BoardBytes open_frame(const BoardBytes& body) noexcept;
 
 /// What a body with a right CRC says; none for another one, an unknown type or a wrong length.
 [[nodiscard]] std::optional<OpenAnswer> read_open(std::span<const std::uint8_t> body) noexcept;

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace palpate::engine {
+namespace palpate {
 
 /// Wait-free ring between one producer and one consumer thread. Storage is allocated once.
 template <class T>
@@ -118,4 +118,4 @@ private:
     std::array<std::atomic<std::uint64_t>, kWords> words_{};
 };
 
-}  // namespace palpate::engine
+}  // namespace palpate
