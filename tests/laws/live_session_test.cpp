@@ -77,6 +77,10 @@ TEST_CASE("a mark is of the trial that is meant, and a note of the one that the 
     CHECK(late["ok"] == false);
     CHECK_THAT(late["text"].get<std::string>(), Has("palpate mark FILE 1 --invalid"));
     const data::Json now = session.state()["markable"]["trial_id"];
+    for (const data::Json& no_id : {data::Json("1"), data::Json(0), data::Json(-1), data::Json(1.5),
+                                    data::Json(true), data::Json::array({1})}) {
+        CHECK(session.ask({{"do", "mark"}, {"trial", no_id}, {"reason", "late"}})["ok"] == false);
+    }
     CHECK(session.ask({{"do", "mark"}, {"trial", now}, {"reason", "late"}})["ok"] == true);
     CHECK(session.program.wait().code == 0);
     CHECK(session.kept("SELECT group_concat(trial_id) FROM trial WHERE invalid_reason LIKE "

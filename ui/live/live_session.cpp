@@ -166,11 +166,13 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
             false,
             "\"do\" is stop, state, page, pause, go on, mark, note, end or reveal: nothing "
             "was done");
+    } else if (!trial.is_null() && !(trial.is_number_integer() && trial.get<std::int64_t>() > 0)) {
+        caller->answer(false, "\"trial\" is a trial_id, a whole number from 1: nothing was done");
     } else if (what != "reveal" || may_reveal(text_in(asked, "word"), *caller)) {
         const std::scoped_lock lock(mutex_);
         if (inbox_.size() < kInbox) {
-            inbox_.push_back({obeyed->second, text, caller,
-                              trial.is_number_integer() ? trial.get<std::int64_t>() : 0});
+            inbox_.push_back(
+                {obeyed->second, text, caller, trial.is_null() ? 0 : trial.get<std::int64_t>()});
             asked_ = true;
         } else {
             caller->answer(false, "too much was asked for at once: nothing was done");
