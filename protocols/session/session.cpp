@@ -220,9 +220,11 @@ private:
         const Signal signal = waiting([&] { return ports_.observer.pause(next_); });
         ports_.paused(false);
         const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
-        happened({.kind = EventKind::go_on,
-                  .text = fmt::format("after a pause of {:.1f} s", paused),
-                  .duration_s = paused});
+        if (signal == Signal::go_on) {
+            happened({.kind = EventKind::go_on,
+                      .text = fmt::format("after a pause of {:.1f} s", paused),
+                      .duration_s = paused});
+        }
         return signal;
     }
 

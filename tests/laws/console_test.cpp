@@ -92,6 +92,28 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     CHECK(stream->hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
 }
 
+TEST_CASE("of a session that hangs the page says so, and that nobody knows of its force",
+          "[console][safety]") {
+    ShownSession session(kFourTrials, {"1"});
+    const Console console(session);
+    console.browser->trade();
+    const auto stream = console.stream();
+    const auto still = console.stream("?still=1");
+    static_cast<void>(stream->hear_until("\"phase\":\"explore\""));
+    session.program.signal(SIGSTOP);
+    for (const auto& page : {stream.get(), still.get()}) {
+        CHECK_THAT(page->hear_until("\"silent_s\":2"),
+                   Has("\"force\":{\"on\":null", "the session does not answer"));
+        page->forget();
+    }
+    CHECK_THAT(console.browser->act(R"({"do":"stop"})"),
+               Has("\"ok\":false", "the switch of its motors"));
+    CHECK_THAT(console.browser->act(R"({"do":"pause"})"), Has("look whether it did"));
+    session.program.signal(SIGCONT);
+    CHECK_THAT(stream->hear_until("\"silent_s\":null"), Has("\"ended\":null"));
+    CHECK(session.keeps(events_of("stop"), "1"));
+}
+
 TEST_CASE("of two intervals it is said which one is next, and of a mark which trial it is of",
           "[live]") {
     const ShownSession session("curvature_2afc", {"4"});

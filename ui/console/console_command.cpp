@@ -35,6 +35,7 @@ using data::Json;
 constexpr std::int64_t kLinger = 10'000 * kMillisecond;
 constexpr std::int64_t kLookEvery = 500 * kMillisecond;
 constexpr std::int64_t kSayEvery = 1000 * kMillisecond;
+constexpr std::int64_t kHangs = 2000 * kMillisecond;  ///< a session that did not answer for longer
 
 double seconds_since(std::int64_t then_ns) {
     return std::round(static_cast<double>(monotonic_ns() - then_ns) * 1e-8) / 10.0;
@@ -91,6 +92,12 @@ public:
     WatchedSession(RunningSession session, bool acts)
         : RunningSession(std::move(session)), acts_(acts) {}
 
+    /// Whether its program is there, and whether it does not answer.
+    [[nodiscard]] std::pair<bool, bool> stands() const {
+        const std::int64_t answered_ns = reader->answered_ns();
+        return {alive(), answered_ns > 0 && monotonic_ns() - answered_ns > kHangs};
+    }
+
     /// The state as the page takes it; empty: none could be read. Any thread.
     /// @param shown  with what is felt, once that was revealed
     [[nodiscard]] std::string state(bool shown) {
@@ -101,13 +108,14 @@ public:
         }
         const std::scoped_lock lock(mutex_);
         look_beside();
-        const bool there = alive();
+        const auto [there, hangs] = stands();
         state["phase_s"] = seconds_since(read->phase_ns);
         state["disk_free_mb"] = disk_free_mb_;
         state["saved_ms"] = written_ms_ < 0 ? Json(nullptr) : Json(written_ms_);
         state["seal"] = json_or_null(seal_);
         state["act"] = acts_;
         state["alive"] = there;
+        state["silent_s"] = nullptr;
         if (!shown && state.erase("hidden") > 0) {
             state["reveal"] = "ask";
         }
@@ -116,6 +124,9 @@ public:
             if (state["ended"].is_null()) {
                 state["ended"] = "killed";
             }
+        } else if (hangs && state["ended"].is_null()) {
+            state["silent_s"] = seconds_since(reader->answered_ns());
+            state["force"] = {{"on", nullptr}, {"why", "the session does not answer"}};
         }
         return one_line(state);
     }
@@ -136,10 +147,14 @@ public:
         }
         return !answer.empty()
                  ? answer
-                 : answer_of(false, alive() ? "the session did not answer within 2 s: "
-                                              "look whether it did what was asked"
-                                            : "the session's program is gone: nothing "
-                                              "was done");
+             : !alive() ? answer_of(false, "the session's program is gone: nothing was done")
+             : asked["do"] == "stop"
+                 ? answer_of(false,
+                             "the session did not answer within 2 s: hands off the handle, use the "
+                             "switch of its motors; it gives no force when it goes on")
+                 : answer_of(false,
+                             "the session did not answer within 2 s: look whether it did what was "
+                             "asked");
     }
 
 private:
@@ -186,18 +201,18 @@ public:
         : watched_(std::move(watched)), shown_(shown), still_(still) {}
 
     std::optional<std::string> operator()() {
-        if (!alive_) {
+        if (!stands_.first) {
             return std::nullopt;
         }
         const std::uint64_t version = watched_->reader->version();
-        const bool alive = watched_->alive();
+        const auto stands = watched_->stands();
         const bool due =
-            version != version_ || alive != alive_ || monotonic_ns() - said_ns_ > kSayEvery;
+            version != version_ || stands != stands_ || monotonic_ns() - said_ns_ > kSayEvery;
         std::string text = still_ ? "" : live(due);
         if (due) {
             if (const std::string state = watched_->state(shown_); !state.empty()) {
                 version_ = version;
-                alive_ = alive;
+                stands_ = stands;
                 said_ns_ = monotonic_ns();
                 text += "event: state\ndata: " + state + "\n\n";
             }
@@ -234,7 +249,7 @@ private:
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;
     bool force_on_ = false;
-    bool alive_ = true;
+    std::pair<bool, bool> stands_{true, false};  ///< as was said: it is there, it hangs
 };
 
 struct ConsoleOptions {

@@ -84,8 +84,9 @@ public:
     /// The rig was proved again, or was refused.
     void checked(const std::string& found) noexcept;
     void reveal() noexcept;
-    /// Shows what became another wish at the desk.
+    /// Shows what became another wish at the desk, and that the session answers.
     void look() noexcept {
+        writer_.answers();
         if (wishes() != wishes_) {
             show();
         }

@@ -15,6 +15,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/base/refuse.hpp"
 #include "ui/rig/json_line.hpp"
 
@@ -76,6 +77,7 @@ bool at_rest(const Word& sequence, const Read& read) {
 /// Odd sequence: its words are being written.
 struct LiveMemory {
     Word magic;
+    Word answered_ns;
     Word state_sequence;
     Word phase_ns;
     Word length;
@@ -131,6 +133,13 @@ void LiveWriter::show(const LiveTick& tick) noexcept {
     });
 }
 
+void LiveWriter::answers() noexcept {
+    if (memory_ != nullptr) {
+        memory_->answered_ns.store(static_cast<std::uint64_t>(monotonic_ns()),
+                                   std::memory_order_relaxed);
+    }
+}
+
 LiveReader::LiveReader(int descriptor) {
     struct stat file {};
     void* at = fstat(descriptor, &file) == 0 && file.st_size == sizeof(LiveMemory)
@@ -144,6 +153,10 @@ LiveReader::LiveReader(int descriptor) {
 
 std::uint64_t LiveReader::version() const noexcept {
     return memory_->state_sequence.load(std::memory_order_acquire);
+}
+
+std::int64_t LiveReader::answered_ns() const noexcept {
+    return static_cast<std::int64_t>(memory_->answered_ns.load(std::memory_order_relaxed));
 }
 
 std::optional<LiveState> LiveReader::state() const {

@@ -49,6 +49,8 @@ public:
     /// @param phase_ns  when its phase began, CLOCK_MONOTONIC
     void show(std::string_view state, std::int64_t phase_ns) noexcept;
     void show(const LiveTick& tick) noexcept;
+    /// The session looks what is asked of it.
+    void answers() noexcept;
 
 private:
     Descriptor file_;
@@ -69,6 +71,8 @@ public:
 
     /// Changes with each state.
     [[nodiscard]] std::uint64_t version() const noexcept;
+    /// When the session last looked what is asked of it, CLOCK_MONOTONIC; 0: not yet.
+    [[nodiscard]] std::int64_t answered_ns() const noexcept;
     /// A whole state, never half of one; none: it was always being written.
     [[nodiscard]] std::optional<LiveState> state() const;
     /// Those that came after the first `seen` of all, oldest first, and how many there were then.

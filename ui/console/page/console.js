@@ -73,7 +73,7 @@
   const worded = code => /^[a-z_]+$/.test(code) ? code.replace(/_/g, ' ') : code;
   const over = () => state !== null && (state.phase === 'ended' || is(state.ended));
   const rests = () => over() && state.ended !== 'killed';
-  const gone = () => !rests() && (lost !== null || (state !== null && !state.alive));
+  const gone = () => !rests() && (lost !== null || (state !== null && (!state.alive || is(state.silent_s))));
   const named = one => (one.practice ? 'Practice ' : 'Trial ') + one.trial;
 
   // ------------------------------------------------------------------------------------------ what is shown
@@ -85,6 +85,9 @@
       all.push([state.ended === 'killed', said[0], said[1]]);
     } else if (state && !state.alive) {
       all.push([true, ...ENDS.killed]);
+    } else if (lost === null && state && is(state.silent_s)) {
+      all.push([true, 'The session does not answer.', 'It hangs, or was stopped. Nothing shows whether there is force: hands off ' +
+        'the handle, switch off the motors\u2019 supply. What stands below is old.']);
     } else if (lost !== null) {
       all.push([true, 'This page has lost the session.', lost + ' What stands below is old. The session may still run: see ' +
         'its window and its terminal; the chords work there.']);
@@ -251,7 +254,7 @@
     const since = seconds() - stateAt;
     const runs = state && is(state.phase_s) && !gone() && !over();
     put($('seconds'), runs ? ', ' + lasted(state.phase_s + since) + (state.pausing && state.phase !== 'pause' ? ', then a pause' : '') : '');
-    const late = seconds() - heardAt;
+    const late = seconds() - heardAt + (state && state.silent_s || 0);
     put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over; this page rests.'
       : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
       : 'In touch with the session.');
@@ -547,8 +550,9 @@
       'give them away. It is kept in the data, with the time, that it was shown. Other pages stay blind until they ask as well.',
       '', 'Show it');
     if (yes === null) return;
-    let answer = await act({ do: 'reveal' });
-    if (answer.word) answer = await act({ do: 'reveal', word: answer.word });
+    let answer = { word: '' };
+    for (let tries = 0; is(answer.word) && tries < 5; ++tries) answer = await act({ do: 'reveal', word: answer.word });
+    if (is(answer.word)) say(false, 'others ask for it at the same time; press it again');
     if (answer.ok) {
       asked = true;
       listen();
