@@ -161,6 +161,32 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
     CHECK(emulator.program.ended_by(SIGINT) == 0);
 }
 
+TEST_CASE("an emulator of another container is behind no terminal of this one with its number",
+          "[haply]") {
+    const TemporaryFolder folder;
+    const std::string there = folder.file("there");
+    const Process other(joined({"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+                                "mount -t devpts devpts /dev/pts -o newinstance,ptmxmode=0666 && "
+                                "mount --bind /dev/pts/ptmx /dev/ptmx && exec \"$@\"",
+                                "sh"},
+                               command_of({"haply-emulator", "--link", there})),
+                        kNoDisplay);
+    const Descriptor master(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+    std::error_code none;
+    const bool alike =
+        eventually([&] { return std::filesystem::is_symlink(there) || has_ended(other.id()); }) &&
+        std::filesystem::read_symlink(there, none) == ptsname(master.get());
+    if (!alike) {
+        WARN("this kernel gives no terminals apart, or others have the first ones: not tried");
+        return;
+    }
+    const std::string here = folder.file("here");
+    std::filesystem::create_symlink(ptsname(master.get()), here);
+    const Process emulator(command_of({"haply-emulator", "--link", here}));
+    CHECK(eventually(
+        [&] { return std::filesystem::read_symlink(here, none) != ptsname(master.get()); }));
+}
+
 TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise", "[haply]") {
     const EmulatedPort emulator;
     const TemporaryFolder folder;

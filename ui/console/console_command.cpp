@@ -145,9 +145,8 @@ public:
         while (answer.ends_with('\n')) {
             answer.pop_back();
         }
-        return !answer.empty()
-                 ? answer
-             : !alive() ? answer_of(false, "the session's program is gone: nothing was done")
+        return !answer.empty() ? answer
+             : !alive()        ? answer_of(false, "the session's program is gone: nothing was done")
              : asked["do"] == "stop"
                  ? answer_of(false,
                              "the session did not answer within 2 s: hands off the handle, use the "

@@ -77,7 +77,6 @@ bool at_rest(const Word& sequence, const Read& read) {
 /// Odd sequence: its words are being written.
 struct LiveMemory {
     Word magic;
-    Word answered_ns;
     Word state_sequence;
     Word phase_ns;
     Word length;
@@ -85,6 +84,7 @@ struct LiveMemory {
     Word tick_sequence;
     Word ticks;  ///< shown so far
     std::array<Words<sizeof(LiveTick)>, LiveWriter::kRing> ring;
+    Word answered_ns;
 };
 
 void Unmap::operator()(const LiveMemory* memory) const noexcept {

@@ -74,19 +74,28 @@ constexpr unsigned kFirstPtyMajor = 136;  // Unix98 slaves: 136 to 143, 256 of t
 constexpr unsigned kLastPtyMajor = 143;
 constexpr const char* kName = "haply-emulator";  // engine::run_like_a_board gives it
 
-/// What stands in /proc/PID/fdinfo of the master, if `port` is a pseudo-terminal.
-std::string master_words(const std::string& port) {
+/// How the kernel names the other end of a port.
+struct OtherEnd {
+    std::string words{};  ///< in /proc/PID/fdinfo of a master, or of a socket as /proc/PID/fd says
+    std::string slave{};  ///< of a master, below the root of its process
+    dev_t terminals{};    ///< that it is of: containers have the same numbers
+};
+
+/// If `port` is a pseudo-terminal.
+OtherEnd master_of(const std::string& port) {
     struct stat seen {};
     if (stat(port.c_str(), &seen) != 0 || !S_ISCHR(seen.st_mode) ||
         major(seen.st_rdev) < kFirstPtyMajor || major(seen.st_rdev) > kLastPtyMajor) {
         return {};
     }
     const unsigned index = (major(seen.st_rdev) - kFirstPtyMajor) * 256 + minor(seen.st_rdev);
-    return fmt::format("tty-index:\t{}\n", index);
+    return {.words = fmt::format("tty-index:\t{}\n", index),
+            .slave = fmt::format("root/dev/pts/{}", index),
+            .terminals = seen.st_dev};
 }
 
-/// What /proc/PID/fd says of the socket that listens on this port of this machine.
-std::string socket_words(const std::string& port) {
+/// That listens on this port of this machine.
+OtherEnd socket_of(const std::string& port) {
     const engine::UdpAddress address = engine::udp_address(port);
     if (address.host != "localhost" && address.host != "::1" && !address.host.starts_with("127.")) {
         return {};
@@ -103,23 +112,28 @@ std::string socket_words(const std::string& port) {
                 words >> word;
             }
             if (at.ends_with(local)) {
-                return "socket:[" + word + "]";
+                return {.words = "socket:[" + word + "]"};
             }
         }
     }
     return {};
 }
 
-/// That process has an open file of which the kernel says `words`.
-bool holds(const fs::path& process, const std::string& words) {
+/// That process has it open.
+bool holds(const fs::path& process, const OtherEnd& end) {
     std::error_code unseen;
-    const bool is_socket = words.starts_with("socket:");
+    const bool is_socket = end.slave.empty();
+    struct stat slave {};
+    if (!is_socket && stat((process / end.slave).c_str(), &slave) == 0 &&
+        slave.st_dev != end.terminals) {
+        return false;
+    }
     for (const auto& file :
          fs::directory_iterator(process / (is_socket ? "fd" : "fdinfo"), unseen)) {
         std::error_code gone;
         const std::string said =
             is_socket ? fs::read_symlink(file.path(), gone).string() : file_text(file.path());
-        if (said.find(words) != std::string::npos) {
+        if (said.find(end.words) != std::string::npos) {
             return true;
         }
     }
@@ -192,14 +206,14 @@ Behind behind(const DeviceChoice& choice) {
     if (choice.kind != DeviceChoice::Kind::haply && choice.kind != DeviceChoice::Kind::board) {
         return {};
     }
-    const std::string words = choice.file.starts_with(engine::kUdp) ? socket_words(choice.file)
-                                                                    : master_words(choice.file);
+    const OtherEnd end =
+        choice.file.starts_with(engine::kUdp) ? socket_of(choice.file) : master_of(choice.file);
     bool seen = false;
     std::error_code unread;
     for (const auto& entry : fs::directory_iterator("/proc", unread)) {
         const std::string name = entry.path().filename().string();
         const auto id = parsed<pid_t>(name);
-        if (words.empty() || !id || !holds(entry.path(), words)) {
+        if (end.words.empty() || !id || !holds(entry.path(), end)) {
             continue;
         }
         if (file_text(entry.path() / "comm") == std::string(kName) + "\n") {
@@ -207,7 +221,7 @@ Behind behind(const DeviceChoice& choice) {
         }
         seen = true;
     }
-    return {.unseen = !words.empty() && !seen};
+    return {.unseen = !end.words.empty() && !seen};
 }
 
 void require_free(const std::string& link) {
