@@ -102,7 +102,7 @@ TEST_CASE("of a session that hangs the page says so, and that nobody knows of it
     static_cast<void>(stream->hear_until("\"phase\":\"explore\""));
     session.program.signal(SIGSTOP);
     for (const auto& page : {stream.get(), still.get()}) {
-        CHECK_THAT(page->hear_until("\"silent_s\":2"),
+        CHECK_THAT(page->hear_until("\"silent_s\":3"),
                    Has("\"force\":{\"on\":null", "the session does not answer"));
         page->forget();
     }
