@@ -45,6 +45,8 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     CHECK(eventually([&] { return !session.state()["not_counting"].empty(); }));
     CHECK_THAT(session.state()["not_counting"][0]["why"].get<std::string>(), Has("a sneeze"));
 
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);  // that ends by no "go on"
+    REQUIRE(session.comes_to("pause"));
     const data::Json asked = session.ask({{"do", "end"}});
     CHECK(asked["ok"] == false);
     CHECK(session.ask({{"do", "end"}, {"word", "no"}})["ok"] == false);
@@ -55,6 +57,8 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     CHECK(session.program.wait().code == 3);
     CHECK(session.state()["ended"] == "ended early");
     CHECK_FALSE(session.shown.alive());
+    CHECK(session.kept(events_of("pause")) == "2");
+    CHECK(session.kept(events_of("go on")) == "1");
     ran({"verify", session.file});
 }
 
