@@ -55,6 +55,13 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     CHECK(page.value("performance.getEntriesByType('resource').every(one => "
                      "one.name.startsWith(location.origin))") == "true");
 
+    session.program.signal(SIGSTOP);
+    CHECK(page.shows("alerts", "The session does not answer."));
+    CHECK(page.text("force-word") == "Force not known");
+    page.press("stop");
+    CHECK(page.shows("said", "the switch of its motors"));
+    session.program.signal(SIGCONT);
+    CHECK(page.is("force-word", "Force off"));
     session.program.signal(SIGKILL);
     CHECK(page.shows("alerts", "The session is gone."));
     CHECK(page.value("document.getElementById('pause').getAttribute('aria-disabled')") == "true");

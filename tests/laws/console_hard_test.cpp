@@ -1,4 +1,5 @@
 #include "tests/support/console.hpp"
+#include "tests/support/dev_tools.hpp"
 #include "tests/support/random.hpp"
 
 // The experimenter's page where somebody means it ill, or where it dies. How often: the environment
@@ -262,6 +263,15 @@ TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and no
     CHECK(ticks() < whole);
     CHECK_THAT(stream->heard(), Has("\"on\":null"));
     CHECK(folder.names() == Words{"mine.toml"});
+    if (DevTools::installed()) {
+        DevTools page("http://" + behind(preview.out(), "http://"));
+        CHECK(page.shows("felt-said", "nothing was kept"));
+        preview.signal(SIGSTOP);
+        CHECK(page.is("verdict", "palpate preview does not answer"));
+        CHECK_THAT(page.text("felt-said"), Has("the switch of the motors"));
+        preview.signal(SIGCONT);
+        CHECK(page.is("verdict", "it can be run"));
+    }
     CHECK(preview.ended_by(SIGTERM) == 0);
     CHECK_THAT(palpate_command({"preview", file, "--device", "mouse"}).error,
                Has("give a device with force, or sim"));

@@ -341,15 +341,15 @@ private:
     std::atomic<bool> stop_{false};
 };
 
-/// What a page has not yet been told; at least every 5 s that it is still there.
+/// What a page has not yet been told; at least once a second that it is still there.
 EventSource stream_of(const Preview& preview) {
     return [&preview, said = std::array<std::string, 2>(),
             said_ns = monotonic_ns()]() mutable -> std::optional<std::string> {
         std::array now = preview.events();
         std::string news = (now[0] != said[0] ? now[0] : "") + (now[1] != said[1] ? now[1] : "");
         said = std::move(now);
-        if (news.empty() && monotonic_ns() - said_ns > 5'000 * kMillisecond) {
-            news = ": still here\n\n";
+        if (news.empty() && monotonic_ns() - said_ns > 1'000 * kMillisecond) {
+            news = event_text("there", data::Json::object());
         }
         said_ns = news.empty() ? said_ns : monotonic_ns();
         return news;

@@ -1,6 +1,7 @@
 'use strict';
 {
   const $ = id => document.getElementById(id);
+  const UNKNOWN = 'no answer: hands off the handle, use the switch of the motors; Enter at the terminal of palpate preview stops it, too';
   const picture = (name, version, words) => {
     const figure = document.createElement('figure');
     const image = document.createElement('img');
@@ -24,11 +25,12 @@
   };
   const ask = async what => {
     try {
-      const answer = await fetch('/do', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(what) });
+      const answer = await fetch('/do', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(what),
+        signal: AbortSignal.timeout(3000) });
       const { ok, text } = await answer.json();
       if (!ok) $('felt-said').textContent = text;
     } catch (e) {
-      $('felt-said').textContent = 'no answer: Enter at the terminal of palpate preview stops it';
+      $('felt-said').textContent = UNKNOWN;
     }
   };
   const feel = felt => {
@@ -48,7 +50,21 @@
     if (event.key === 'Escape' && !$('felt').hidden) ask({ do: 'stop' });
   });
   const source = new EventSource('/stream');
-  source.addEventListener('felt', event => feel(JSON.parse(event.data)));
-  source.addEventListener('drawn', event => show(JSON.parse(event.data)));
-  source.addEventListener('error', () => { $('verdict').textContent = 'palpate preview is gone'; });
+  let heardAt = performance.now(), lost = false;
+  const lose = words => {
+    lost = true;
+    $('verdict').textContent = words;
+    $('felt-said').textContent = UNKNOWN;
+  };
+  for (const [kind, take] of [['felt', feel], ['drawn', show], ['there', () => {}]]) {
+    source.addEventListener(kind, event => {
+      if (lost) return location.reload();
+      heardAt = performance.now();
+      take(JSON.parse(event.data));
+    });
+  }
+  source.addEventListener('error', () => lose('palpate preview is gone'));
+  setInterval(() => {
+    if (!lost && performance.now() - heardAt > 3000) lose('palpate preview does not answer');
+  }, 200);
 }
