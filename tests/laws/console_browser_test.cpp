@@ -38,6 +38,8 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     page.press("note");
     page.type("they hum \u2014 twice");
     page.press("note-send");
+    CAPTURE(page.text("said"), page.value("document.activeElement.id"),
+            page.value("document.getElementById('note').value"));
     CHECK(
         session.keeps("SELECT text FROM event WHERE event_kind = 'note'", "they hum \u2014 twice"));
     CHECK(page.shows("notes", "they hum \u2014 twice"));
