@@ -222,7 +222,7 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     if (end.kind != FlowEnd::Kind::cone || (end.load <= 0.0L && free(c))) {
         return;
     }
-    ++walks_;
+    ++walks;
     const double limit = kFlowSlack * scene_->object().size() + 10.0 * same_;
     const auto off = [&c, limit](const FlowEnd& e) {
         return free(c) ? (e.load > 0.0L ? 2.0 * limit : 0.0) : length(minus(e.point, c.go));
@@ -244,7 +244,7 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     for (const FlowEnd& other : others) {
         if (other.kind != end.kind || length(minus(other.point, c.go)) <= limit ||
             length(other.point + -1.0L * end.point) > limit) {
-            ++ties_;
+            ++ties;
             return;
         }
     }
