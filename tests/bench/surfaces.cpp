@@ -164,9 +164,7 @@ std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& pa
     std::vector<Truth<3>> all;
     for (const Vec3& hip : path) {
         const tests::LongFoot foot = oracle.closest(hip);
-        const auto& [x, y, z] = foot.point;
-        all.push_back({std::sqrt(foot.distance2),
-                       {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
+        all.push_back({std::sqrt(foot.distance2), Vec3(foot.point)});
     }
     return all;
 }

@@ -48,6 +48,14 @@ private:
     int left_;
 };
 
+/// Runs it up to that call of the recorder.
+void dies_in(Database& database, const data::SessionSpec& spec, int call) {
+    const auto dying = [call](protocols::Recorder& recorder) {
+        return Killer(recorder, call);
+    };
+    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+}
+
 }  // namespace
 
 TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run") {
@@ -61,10 +69,7 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run") {
         "UPDATE adaptive_plan SET run_number = 1 - run_number WHERE plan_position = 4",
         "DELETE FROM adaptive_step WHERE trial_id = 5");
     NewDatabase database;
-    const auto dying = [](protocols::Recorder& recorder) {
-        return Killer(recorder, 50);
-    };
-    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    dies_in(database, spec, 50);
     REQUIRE(count(database, "adaptive_step") > 6);
     const std::int64_t trials = count(database, "trial");
     CAPTURE(edit);
@@ -110,10 +115,7 @@ TEST_CASE("what a trial says of two intervals is of both together") {
 TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows") {
     const data::SessionSpec spec = session_spec(adaptive_protocol());
     NewDatabase database;
-    const auto dying = [](protocols::Recorder& recorder) {
-        return Killer(recorder, 40);
-    };
-    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    dies_in(database, spec, 40);
     CHECK_FALSE(data::mark_invalid(database, 5, {"the phone rang"}).finished);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL AND counts") == 14);
@@ -143,16 +145,10 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
         spec.provenance.emplace_back(key, hash);
     }
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto dying = [at](protocols::Recorder& recorder) {
-        return Killer(recorder, at);
-    };
-    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    dies_in(database, spec, at);
     const std::int64_t answered = count(database, "response");
     spec.resume = how;
-    const auto last = [&] {
-        return data::open_session(database, spec).progress.pending().order();
-    }();
-    CHECK(std::is_sorted(last.begin(), last.end()));
+    CHECK(std::ranges::is_sorted(data::open_session(database, spec).progress.pending().order()));
     const std::int64_t marked = count(database, "trial WHERE invalid_reason IS NOT NULL");
     CHECK((marked > 0) == (count(database, "event WHERE event_kind = 'redo'") == 1));
     CHECK(marked == count(database, "event WHERE event_kind = 'mark'"));
@@ -167,8 +163,7 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
     CHECK(differences(database) == "");
     if (at == 25) {  // in a file where its trials have other numbers
         Database other(folder.file("b.sqlite"), Access::write);
-        REQUIRE_THROWS_AS(run_simulated(other, session_spec(protocol, "P2"), dying),
-                          Killer::Killed);
+        dies_in(other, session_spec(protocol, "P2"), at);
         const std::string all = folder.file("all.sqlite");
         REQUIRE(data::merge_files(all, {folder.file("b.sqlite")}).conflicts.empty());
         REQUIRE(data::merge_files(all, {folder.file("a.sqlite")}).conflicts.empty());

@@ -70,8 +70,7 @@ TEST_CASE("a transaction that is not committed leaves nothing") {
         data::Transaction all(database);
         database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     }
-    auto count = database.first("SELECT count(*) FROM participant");
-    CHECK(count.integer(0) == 0);
+    CHECK(count(database, "participant") == 0);
 }
 
 TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, wild names") {
@@ -164,10 +163,6 @@ int at_once(int programs, const Work& work) {
     return well;
 }
 
-std::int64_t number(Database& database, const char* sql) {
-    return database.first(sql).integer(0);
-}
-
 }  // namespace
 
 TEST_CASE("programs that make one database at the same time all get it") {
@@ -183,15 +178,14 @@ TEST_CASE("programs that make one database at the same time all get it") {
                     static_cast<void>(data::open_session(database, spec));
                 }) == kPrograms);
         Database database(file, Access::read);
-        CHECK(number(database, "SELECT count(*) FROM session") == kPrograms);
-        CHECK(number(database, "SELECT count(*) FROM study") == 1);
+        CHECK(count(database, "session") == kPrograms);
+        CHECK(count(database, "study") == 1);
     }
 }
 
 TEST_CASE(
     "rigs that begin at the same moment take rows of the pictures as one after the other would") {
     constexpr int kRounds = 8;
-    constexpr const char* kSessions = "SELECT count(*) FROM session";
     const protocols::Protocol protocol = small_protocol();
     const auto rigs = static_cast<int>(picture_rows(protocol).size());
     for (int round = 0; round < kRounds; ++round) {
@@ -204,14 +198,13 @@ TEST_CASE(
                     spec.kind = data::RunKind::real;
                     const auto opened = data::plan_and_open_session(rig, spec);
                     // Whoever leaves before the first trial gives the row back: all stay.
-                    for (int tries = 0; tries < 20000 && number(rig, kSessions) < rigs; ++tries) {
+                    for (int tries = 0; tries < 20000 && count(rig, "session") < rigs; ++tries) {
                         usleep(1000);
                     }
                 }) == rigs);
-        CHECK(number(database,
-                     "SELECT count(DISTINCT o) FROM (SELECT group_concat(picture_object) AS o FROM "
-                     "(SELECT * FROM picture ORDER BY session_id, picture_place) GROUP BY "
-                     "session_id)") == rigs);
+        CHECK(count(database,
+                    "(SELECT DISTINCT group_concat(picture_object) FROM (SELECT * FROM picture "
+                    "ORDER BY session_id, picture_place) GROUP BY session_id)") == rigs);
     }
 }
 

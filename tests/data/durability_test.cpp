@@ -94,14 +94,9 @@ std::vector<Saved> record_and_kill(const std::string& file,
 
 void wait_for_ticks(const std::string& file, std::int64_t ticks) {
     Database reader(file, Access::read);
-    for (int i = 0; i < 1000; ++i) {
-        auto row = reader.first("SELECT coalesce(sum(ticks), 0) FROM trace_chunk");
-        if (row.integer(0) >= ticks) {
-            return;
-        }
-        std::this_thread::sleep_for(2ms);
-    }
-    FAIL("the ticks were not saved");
+    REQUIRE(eventually([&] {
+        return reader.first("SELECT coalesce(sum(ticks), 0) FROM trace_chunk").integer(0) >= ticks;
+    }));
 }
 
 /// A disk that fails once, and would take everything after it.
@@ -159,9 +154,7 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     REQUIRE(said.size() >= 12);
 
     Database database(file, Access::write);
-    auto check = database.first("PRAGMA integrity_check");
-    CHECK(check.text(0) == "ok");
-    check.reset();
+    CHECK(database.first("PRAGMA integrity_check").text(0) == "ok");
     const auto opened = data::open_session(database, spec);
     CHECK(opened.interrupted == 1);
     CHECK(opened.next == 0);
@@ -199,8 +192,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good")
     const auto stored = data::TraceReader(session.database).read(id);
     REQUIRE(stored.size() == ticks.size());
     CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), same_bits));
-    auto row = analyst.first("SELECT count(*) FROM response");
-    CHECK(row.integer(0) == 1);
+    CHECK(count(analyst, "response") == 1);
 }
 
 TEST_CASE("ticks that come slowly are saved by the clock, not by their number") {

@@ -1,9 +1,4 @@
-#include <sqlite3.h>
-
-#include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/sql_first.hpp"
+#include "tests/support/lab_files.hpp"
 
 using namespace palpate::data;
 
@@ -23,37 +18,16 @@ private:
     std::filesystem::path before_ = std::filesystem::current_path();
 };
 
-void run(sqlite3* handle, const char* sql) {
-    REQUIRE(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
-}
-
 /// Somebody's database with a log that is not yet in the file, as a program leaves it that was
 /// killed.
 /// @param checkpointed  whether tables are in the file already, or all of it is in the log
 /// @param journal       DELETE: there is no log
 void make_foreign(const std::string& file, bool checkpointed, const std::string& journal) {
-    sqlite3* handle = nullptr;
-    REQUIRE(sqlite3_open(file.c_str(), &handle) == SQLITE_OK);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-    run(handle, ("PRAGMA journal_mode = " + journal + "; CREATE TABLE theirs (x)").c_str());
-    if (checkpointed) {
-        run(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
-    }
-    run(handle, "INSERT INTO theirs VALUES (1), (2), (3)");
-    sqlite3_close(handle);
-}
-
-std::int64_t rows_of(const std::string& file) {
-    sqlite3* handle = nullptr;
-    REQUIRE(sqlite3_open(file.c_str(), &handle) == SQLITE_OK);
-    sqlite3_stmt* row = nullptr;
-    REQUIRE(sqlite3_prepare_v2(handle, "SELECT count(*) FROM theirs", -1, &row, nullptr) ==
-            SQLITE_OK);
-    REQUIRE(sqlite3_step(row) == SQLITE_ROW);
-    const std::int64_t rows = sqlite3_column_int64(row, 0);
-    sqlite3_finalize(row);
-    sqlite3_close(handle);
-    return rows;
+    ended(Process({"sqlite3", "-cmd", ".dbconfig no_ckpt_on_close on", file,
+                   "PRAGMA journal_mode = " + journal + "; CREATE TABLE theirs (x);" +
+                       (checkpointed ? "PRAGMA wal_checkpoint(TRUNCATE);" : "") +
+                       "INSERT INTO theirs VALUES (1), (2), (3)"})
+              .wait());
 }
 
 }  // namespace
@@ -73,7 +47,7 @@ TEST_CASE("somebody's database is refused, and it and a log beside it stay byte 
 
     CHECK(slurp(file) == data);
     CHECK(slurp(file + "-wal") == log);
-    CHECK(rows_of(file) == 3);
+    CHECK(lab_sqlite(file, "SELECT count(*) FROM theirs") == "3\n");
 }
 
 TEST_CASE("a file of somebody's is refused and stays, however small it is") {

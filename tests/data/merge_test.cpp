@@ -132,7 +132,7 @@ TEST_CASE(
         database.checkpoint();
     }
     rig.finish();
-    const std::string other = copy_of(rig.file(), folder, 1);
+    const std::string other = copied(rig.file(), folder.file("copy.sqlite"));
     sql_edit(other, fmt::format("UPDATE {}", column));
     const Rig third(folder.file("c.sqlite"), "P07", 1);
 
@@ -151,7 +151,7 @@ TEST_CASE(
 TEST_CASE("of a session that two files tell differently the preferred file's is taken") {
     const TemporaryFolder folder;
     const Rig rig(folder.file("a.sqlite"), "P01", 1);
-    const std::string other = copy_of(rig.file(), folder, 1);
+    const std::string other = copied(rig.file(), folder.file("copy.sqlite"));
     for (const std::string& file : {rig.file(), other}) {
         Database database(file, Access::write);
         data::add_note(database, 1, "said in " + file);

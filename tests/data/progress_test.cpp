@@ -3,10 +3,8 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

@@ -4,16 +4,15 @@
 
 #include "data/store/database.hpp"
 #include "data/sync/push.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/push_world.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate::data;
 
 TEST_CASE("a damaged session does not reach the server") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
-    Database(file, Access::write)
-        .execute("UPDATE response SET reaction_s = 9.0 WHERE trial_id = 3");
+    A_SERVER_AND_FILE(server, folder, file);
+    sql_edit(file, "UPDATE response SET reaction_s = 9.0 WHERE trial_id = 3");
     const PushReport report = data::push_file(file, server->url());
     REQUIRE(report.conflicts.size() == 1);
     CHECK_THAT(report.conflicts.front(), Has("palpate verify"));
@@ -152,19 +151,14 @@ TEST_CASE("a password in the address is not left among the words that ps shows")
     const auto words = [&push] {
         return slurp(fmt::format("/proc/{}/cmdline", push.id()));
     };
-    for (int i = 0; i < 3000 && words().find("://***") == std::string::npos; ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    CHECK_THAT(words(), Has("://***"));
+    CHECK(eventually([&] { return words().find("://***") != std::string::npos; }));
     CHECK_THAT(words(), !Has(PostgresServer::kPassword));
     push.signal(SIGKILL);
     close(silent);
 }
 
 TEST_CASE("of a file only palpate's tables go to a server, and only who consents") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     const Finished lab =
         Process(
             {"sqlite3", file,
@@ -174,15 +168,14 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
              "--\" (a)"})
             .wait();
     REQUIRE(lab.code == 0);
-    const std::string older = folder.file("older.sqlite");
-    std::filesystem::copy_file(file, older);
+    const std::string older = copied(file, folder.file("older.sqlite"));
     ran({"participant", file, "demo", "--consent", "no"});
     ran({"participant", file, "later", "--new", "--consent", "yes"});
     const auto push = [&](const Words& more) {
-        return palpate_command(joined({"push", file, "--to", server->url()}, more));
+        return pushed(file, server->url(), more);
     };
     const auto count = [&](const std::string& what) {
-        return *Postgres(server->url()).rows("SELECT count(*) FROM " + what).at(0).at(0);
+        return told(server->url(), "count(*) FROM " + what);
     };
     const Finished without = ended(push({}));
     CHECK_THAT(without.out,
@@ -193,8 +186,7 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
     }
     CHECK(count("pg_class WHERE relname IN ('pwned', 'my_codes', 'mine')") == "0");
     // Nor does a file that does not know of it, as another rig's, or an older copy.
-    check_end(palpate_command({"push", older, "--to", server->url()}), 1,
-              Has("they do not consent, says the server"));
+    check_end(pushed(older, server->url()), 1, Has("they do not consent, says the server"));
     CHECK(count("palpate.session") == "0");
     // Who refuses later does so on the server too, and a yes after that is not taken there.
     const std::string refused =
@@ -222,110 +214,84 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
 }
 
 TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     const auto does = [&](Words words) {
         words.insert(words.begin() + 1, file);
         ran(words);
     };
-    const auto push = [&] {
-        return palpate_command({"push", file, "--to", server->url()});
-    };
-    const auto one = [&](const std::string& what) {
-        return *Postgres(server->url()).rows("SELECT " + what).at(0).at(0);
-    };
+    const std::string url = server->url();
     // Reasons stand in the events' words.
     const std::string said =
         "count(*) FROM palpate.event WHERE text IN ('fell ill', 'another one did')";
-    CHECK(push().code == 0);
+    CHECK(pushed(file, url).code == 0);
     does({"session", "demo", "1", "--withdraw", "fell ill"});
-    CHECK_THAT(push().out, Has("1 of them withdrawn: on the server, too, an event says so"));
-    CHECK(one(said) == "1");
-    CHECK(one("count(*) FROM palpate.session") == "1");
+    CHECK_THAT(pushed(file, url).out,
+               Has("1 of them withdrawn: on the server, too, an event says so"));
+    CHECK(told(url, said) == "1");
+    CHECK(told(url, kSessions) == "1");
     does({"session", "demo", "1", "--undo", "another one did"});
     does({"participant", "other", "--new", "--consent", "yes"});
     does({"participant", "demo", "--is-really", "other", "--reason", "wrong code"});
-    CHECK(push().code == 0);
-    CHECK(one("count(*) FROM palpate.session") == "1");
-    CHECK(one("participant_code FROM palpate.session") ==
+    CHECK(pushed(file, url).code == 0);
+    CHECK(told(url, kSessions) == "1");
+    CHECK(told(url, "participant_code FROM palpate.session") ==
           "demo");  // as it began: events say the rest
-    CHECK(one(said) == "2");
-    CHECK(one("value FROM palpate.event WHERE key = 'is really'") == "other");
+    CHECK(told(url, said) == "2");
+    CHECK(told(url, "value FROM palpate.event WHERE key = 'is really'") == "other");
     does({"participant", "other", "--destroy", "everything", "--yes", "--reason", "asked"});
-    const Finished destroyed = push();
-    check_end(destroyed, 1, Has("the server has it: an administrator deletes"));
+    check_end(pushed(file, url), 1, Has("the server has it: an administrator deletes"));
 }
 
 TEST_CASE("an older copy brings no session of who refuses, under whosever code it has it") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string newer = a_database(folder);
-    const std::string older = folder.file("older.sqlite");
-    std::filesystem::copy_file(newer, older);
+    A_SERVER_AND_FILE(server, folder, newer);
+    const std::string url = server->url();
+    const std::string older = copied(newer, folder.file("older.sqlite"));
     const auto participant = [&](const Words& words) {
         ran(joined({"participant", newer}, words));
-    };
-    const auto push = [&](const std::string& file) {
-        return palpate_command({"push", file, "--to", server->url()});
-    };
-    const auto sessions = [&] {
-        return *Postgres(server->url()).rows("SELECT count(*) FROM palpate.session").at(0).at(0);
     };
     for (const char* code : {"P09", "P10"}) {
         participant({code, "--new", "--consent", "yes"});
     }
     participant({"demo", "--is-really", "P09", "--reason", "typo"});
-    const std::string between = folder.file("between.sqlite");
-    std::filesystem::copy_file(newer, between);
+    const std::string between = copied(newer, folder.file("between.sqlite"));
     participant({"P09", "--consent", "no"});
-    CHECK(push(newer).code == 0);
+    CHECK(pushed(newer, url).code == 0);
     for (const std::string& file : {older, between, older}) {
         CAPTURE(file);
-        check_end(push(file), 1, Has("they do not consent, says the server"));
-        CHECK(sessions() == "0");
+        check_end(pushed(file, url), 1, Has("they do not consent, says the server"));
+        CHECK(told(url, kSessions) == "0");
     }
     // It was not theirs after all.
     participant({"P09", "--is-really", "P10", "--reason", "another typo"});
-    CHECK(push(newer).code == 0);
-    CHECK(sessions() == "1");
+    CHECK(pushed(newer, url).code == 0);
+    CHECK(told(url, kSessions) == "1");
 }
 
 TEST_CASE("an older copy brings no session that was destroyed") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string newer = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, newer);
     for (const char* code : {"P09", "P10"}) {
         ran({"participant", newer, code, "--new", "--consent", "yes"});
     }
     ran({"participant", newer, "demo", "--is-really", "P09", "--reason", "typo"});
-    const std::string older = folder.file("older.sqlite");
-    std::filesystem::copy_file(newer, older);
+    const std::string older = copied(newer, folder.file("older.sqlite"));
     ran({"participant", newer, "P09", "--is-really", "P10", "--reason", "another typo"});
     ran({"participant", newer, "P10", "--destroy", "everything", "--yes", "--reason", "asked"});
-    static_cast<void>(palpate_command({"push", newer, "--to", server->url()}));
-    check_end(palpate_command({"push", older, "--to", server->url()}), 1,
-              Has("they do not consent, says the server"));
+    static_cast<void>(pushed(newer, server->url()));
+    check_end(pushed(older, server->url()), 1, Has("they do not consent, says the server"));
     CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
 }
 
 TEST_CASE("what a file says is of who refused on the server comes by no older copy") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const auto push = [&](const std::string& file) {
-        return palpate_command({"push", file, "--to", server->url()});
-    };
+    A_SERVER_AND_FILE(server, folder, older);
     const std::string refused = folder.file("refused.sqlite");
     ran({"participant", refused, "P09", "--new", "--consent", "no", "--handedness", "40"});
-    CHECK(push(refused).code == 0);
-    const std::string older = a_database(folder);
-    const std::string newer = folder.file("newer.sqlite");
-    std::filesystem::copy_file(older, newer);
+    CHECK(pushed(refused, server->url()).code == 0);
+    const std::string newer = copied(older, folder.file("newer.sqlite"));
     ran({"participant", newer, "P09", "--new", "--handedness", "80"});
     ran({"participant", newer, "demo", "--is-really", "P09", "--reason", "badge"});
     for (const std::string& file : {newer, older, newer}) {
         CAPTURE(file);
-        check_end(push(file), 1, Has("they do not consent, says the server"));
+        check_end(pushed(file, server->url()), 1, Has("they do not consent, says the server"));
         Postgres there(server->url());
         CHECK(there.rows("SELECT 1 FROM palpate.session").empty());
         CHECK(
@@ -336,33 +302,31 @@ TEST_CASE("what a file says is of who refused on the server comes by no older co
 TEST_CASE(
     "a score that the server has of who refuses or had it destroyed is named until it is gone") {
     A_SERVER(server);
+    const std::string url = server->url();
     const TemporaryFolder folder;
     for (const Words& later : {Words{"--consent", "no"}, Words{"--destroy", "everything", "--yes"},
                                Words{"--destroy", "details", "--yes"}}) {
         CAPTURE(later);
         const std::string code = later[1];
         const std::string file = folder.file(code + ".sqlite");
-        const std::string older = folder.file(code + "-older.sqlite");
         const bool refuses = code != "details";
-        const auto push = [&](const std::string& from) {
-            return palpate_command({"push", from, "--to", server->url()});
-        };
         ran({"participant", file, code, "--new", "--consent", "yes", "--handedness", "80"});
-        std::filesystem::copy_file(file, older);
-        CHECK(push(file).code == 0);
+        const std::string older = copied(file, folder.file(code + "-older.sqlite"));
+        CHECK(pushed(file, url).code == 0);
         ran(joined({"participant", file, code}, later));
         for (int again = 0; again < 2; ++again) {
-            check_end(push(file), 1,
+            check_end(pushed(file, url), 1,
                       Has("participant " + code + ": the server has their handedness, and " +
                           (refuses ? "they do not consent" : "it was destroyed")));
         }
         if (refuses) {
-            check_end(push(older), 1, Has("their handedness, and they do not consent, says"));
+            check_end(pushed(older, url), 1,
+                      Has("their handedness, and they do not consent, says"));
         }
-        Postgres admin(server->url());
+        Postgres admin(url);
         admin.run("DELETE FROM palpate.participant_note WHERE key = 'handedness'");
-        CHECK(push(file).code == 0);
-        check_end(push(older), 1, Has("the server"));
+        CHECK(pushed(file, url).code == 0);
+        check_end(pushed(older, url), 1, Has("the server"));
         CHECK(
             admin.rows("SELECT 1 FROM palpate.participant_note WHERE key = 'handedness'").empty());
     }

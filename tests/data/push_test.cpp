@@ -22,9 +22,7 @@ void chain_again(Database& database) {
 }  // namespace
 
 TEST_CASE("pushing twice is pushing once, and chunks arrive as they are") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     const PushReport first = data::push_file(file, server->url());
     CHECK(first.conflicts.empty());
     const std::string once = content(server->url());
@@ -62,9 +60,7 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are") {
 
 TEST_CASE(
     "a push or its server cut off at random moments, and pushed again, equals one whole push") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     const std::string whole = new_database(*server, "whole");
     REQUIRE(data::push_file(file, whole).conflicts.empty());
     const std::string expected = content(whole);
@@ -113,9 +109,7 @@ TEST_CASE(
 
 TEST_CASE(
     "an attempt is on the server with all that belongs to it or not at all, wherever it fails") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     Postgres admin(server->url());
     admin.run(data::push_setup());
     admin.run(
@@ -146,9 +140,7 @@ TEST_CASE(
 }
 
 TEST_CASE("what the server has otherwise is a conflict, and stays") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     REQUIRE(data::push_file(file, server->url()).conflicts.empty());
     const std::string before = content(server->url());
     for (const char* change :
@@ -157,8 +149,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays") {
           "UPDATE response SET reaction_s = 99.0",
           "UPDATE session SET uuid = '00000000-0000-4000-8000-000000000000'"}) {
         CAPTURE(change);
-        const std::string other = folder.file("other.sqlite");
-        std::filesystem::copy_file(file, other, std::filesystem::copy_options::overwrite_existing);
+        const std::string other = copied(file, folder.file("other.sqlite"));
         {
             Database database(other, Access::write);
             database.execute(change);
@@ -172,9 +163,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays") {
 }
 
 TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be wrong on a server") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     for (const auto& [edit, says] :
          {std::pair{"study SET protocol_toml = replace(protocol_toml, 'force_limit_n = 10', "
                     "'force_limit_n = 9')",
@@ -186,8 +175,7 @@ TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be w
         CAPTURE(edit);
         const std::string url =
             new_database(*server, fmt::format("db{}", std::hash<std::string>()(edit)));
-        const std::string other = folder.file("other.sqlite");
-        std::filesystem::copy_file(file, other, std::filesystem::copy_options::overwrite_existing);
+        const std::string other = copied(file, folder.file("other.sqlite"));
         sql_edit(other, fmt::format("UPDATE {}", edit));
         check_end(palpate_command({"push", other, "--to", url}), 1, Has(says));
         ran({"push", file, "--to", url});
@@ -206,9 +194,7 @@ TEST_CASE("a study or a trace_column that is wrong is not sent, and said to be w
 }
 
 TEST_CASE("what a server lost comes again, and a column that it lost is named") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     const Words push{"push", file, "--to", server->url()};
     ran({"participant", file, "demo", "--consent", "yes"});
     ran(push);
@@ -242,9 +228,7 @@ TEST_CASE("what a server lost comes again, and a column that it lost is named") 
 }
 
 TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    A_SERVER_AND_FILE(server, folder, file);
     Postgres admin(server->url());
     admin.run(data::push_setup());
     admin.run("CREATE SCHEMA secret; CREATE TABLE secret.diary (line text)");
@@ -291,8 +275,7 @@ TEST_CASE("which session is whose the server goes by the uuid, then by what its 
         return file;
     };
     const std::string file = run_in("a.sqlite");
-    const std::string older = folder.file("older.sqlite");
-    std::filesystem::copy_file(file, older);
+    const std::string older = copied(file, folder.file("older.sqlite"));
     const auto move = [&](const Words& words) {
         ran(joined({"participant", file}, joined(words, {"--reason", "typo"})));
     };
@@ -302,9 +285,6 @@ TEST_CASE("which session is whose the server goes by the uuid, then by what its 
     const std::string merged = folder.file("merged.sqlite");
     ran({"merge", merged, file});  // in the order of the codes
     const std::string rig = run_in("rig.sqlite");
-    const auto sessions = [](const std::string& url) {
-        return *Postgres(url).rows("SELECT count(*) FROM palpate.session").at(0).at(0);
-    };
     const std::string other = new_database(*server, "other");
     for (const auto& [url, files] : {std::pair{server->url(), Words{file, older, merged, file}},
                                      std::pair{other, Words{older, merged, file, older}}}) {
@@ -312,49 +292,41 @@ TEST_CASE("which session is whose the server goes by the uuid, then by what its 
             CAPTURE(url, one);
             CHECK(ran({"push", one, "--to", url}).code == 0);
         }
-        CHECK(sessions(url) == "2");
+        CHECK(told(url, kSessions) == "2");
         // Somebody else's session of that number.
         check_end(palpate_command({"push", rig, "--to", url}), 1, Has("it under the uuid"));
-        CHECK(sessions(url) == "2");
+        CHECK(told(url, kSessions) == "2");
     }
     // Back again, beside P01's own.
     move({"P02", "--is-really", "P01"});
     for (const std::string& url : {server->url(), other}) {
         ran({"push", file, "--to", url});
         ran({"push", older, "--to", url});
-        CHECK(*Postgres(url)
-                   .rows("SELECT count(*) FROM palpate.event WHERE key = 'is really'")
-                   .at(0)
-                   .at(0) == "2");
+        CHECK(told(url, "count(*) FROM palpate.event WHERE key = 'is really'") == "2");
     }
 }
 
 TEST_CASE("details that were destroyed come by no session of an older copy, new ones do") {
-    A_SERVER(server);
-    const TemporaryFolder folder;
-    const std::string newer = a_database(folder);
-    const auto push = [&](const std::string& file) {
-        return palpate_command({"push", file, "--to", server->url()});
-    };
+    A_SERVER_AND_FILE(server, folder, newer);
+    const std::string url = server->url();
     ran({"participant", newer, "demo", "--handedness", "73", "--consent", "yes"});
-    const std::string older = folder.file("older.sqlite");
-    std::filesystem::copy_file(newer, older);
+    const std::string older = copied(newer, folder.file("older.sqlite"));
     const std::string person = folder.file("person.sqlite");  // without a session
     ran({"participant", person, "demo", "--new"});
     for (const std::string& file : {person, newer}) {
         ran({"participant", file, "demo", "--destroy", "details", "--yes"});
     }
-    CHECK(push(person).code == 0);
-    Postgres there(server->url());
-    check_end(push(older), 1,
+    CHECK(pushed(person, url).code == 0);
+    Postgres there(url);
+    check_end(pushed(older, url), 1,
               Has("what was noted of demo was destroyed, says the server", "--destroy details"));
     CHECK(there.rows("SELECT 1 FROM palpate.event").empty());
-    CHECK(push(newer).code == 0);
+    CHECK(pushed(newer, url).code == 0);
     CHECK(there.rows("SELECT 1 FROM palpate.event WHERE value = '73'").empty());
     ran({"participant", newer, "demo", "--handedness", "74"});
-    CHECK(push(newer).code == 0);
+    CHECK(pushed(newer, url).code == 0);
     ran({"participant", older, "demo", "--destroy", "details", "--yes"});
-    CHECK_THAT(push(older).error, !Has("says the server"));
+    CHECK_THAT(pushed(older, url).error, !Has("says the server"));
     CHECK(there.rows("SELECT value FROM palpate.participant_note WHERE key = 'handedness'") ==
           std::vector<std::vector<std::optional<std::string>>>{{"74"}});
 }

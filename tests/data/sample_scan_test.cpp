@@ -213,20 +213,19 @@ TEST_CASE(
 
 TEST_CASE("sample is never of another database than the one that was named") {
     const TemporaryFolder folder;
-    std::filesystem::copy_file(demo_file(), folder.file("other.sqlite"));
-    std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
-    Opened database(folder.file("d.sqlite"), data::Access::write);
+    const std::string other = copied(demo_file(), folder.file("other.sqlite"));
+    Opened database(copied(demo_file(), folder.file("d.sqlite")), data::Access::write);
     const auto count = [&] {
         return error_of(database, "SELECT count(*) FROM sample WHERE trial_id = 1");
     };
     database.execute("ATTACH ':memory:' AS mine; CREATE TABLE mine.means (x)");
     CHECK(count().empty());
-    database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS b").c_str());
+    database.execute(("ATTACH '" + other + "' AS b").c_str());
     CHECK_THAT(count(), Has("DETACH b"));
     CHECK_THAT(error_of(database, "SELECT count(*) FROM b.sample"), Has("DETACH b"));
     database.execute("DETACH b");
     CHECK(count().empty());
-    database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS \"b\"\"c\"").c_str());
+    database.execute(("ATTACH '" + other + "' AS \"b\"\"c\"").c_str());
     CHECK_THAT(count(), Has("DETACH b\"c"));
 }
 

@@ -40,20 +40,28 @@ Protocol held_protocol() {
     return protocol;
 }
 
+SessionEnd felt_by(
+    SmallSession& session,
+    Apparatus& apparatus,
+    Observer& observer,
+    OperatorDesk* desk = nullptr,
+    const std::function<void(const MarkReply&)>& marked = [](const MarkReply&) {}) {
+    return run_session(session.spec.protocol, session.spec.plan, {}, session.progress,
+                       {.apparatus = apparatus,
+                        .observer = observer,
+                        .recorder = session.recorder,
+                        .marked = marked,
+                        .pause = [](double) {},
+                        .desk = desk});
+}
+
 /// A session on the simulated pantograph, through the safety chain, into a file.
 struct FeltRun : SmallSession {
     explicit FeltRun(const Protocol& protocol)
         : SmallSession(protocol),
           apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
 
-    SessionEnd with(Observer& observer) {
-        return run_session(spec.protocol, spec.plan, {}, progress,
-                           {.apparatus = apparatus,
-                            .observer = observer,
-                            .recorder = recorder,
-                            .pause = [](double) {
-                            }});
-    }
+    SessionEnd with(Observer& observer) { return felt_by(*this, apparatus, observer); }
     std::string lines(const std::string& sql) { return tests::lines(database, sql); }
 
     SimulatedApparatus apparatus;
@@ -288,13 +296,7 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                                    "LIMIT 1") == "complete \n"));
         CHECK(said.number == (said.found ? observer.felt : TrialNumber{}));
     };
-    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {}, session.progress,
-                                  {.apparatus = apparatus,
-                                   .observer = observer,
-                                   .recorder = session.recorder,
-                                   .marked = answered,
-                                   .pause = [](double) {},
-                                   .desk = &desk}));
+    static_cast<void>(felt_by(session, apparatus, observer, &desk, answered));
     CHECK(replies.size() > 3);
     CHECK(lines(database,
                 "SELECT count(*) FROM event WHERE event_kind IN ('mark', 'note') AND text "
@@ -318,12 +320,7 @@ TEST_CASE("a mark in a break is kept and answered in the break") {
     FaultyApparatus apparatus(world);
     OperatorDesk desk;
     InABreak observer(database, desk);
-    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {}, session.progress,
-                                  {.apparatus = apparatus,
-                                   .observer = observer,
-                                   .recorder = session.recorder,
-                                   .pause = [](double) {},
-                                   .desk = &desk}));
+    static_cast<void>(felt_by(session, apparatus, observer, &desk));
     CHECK(observer.kept == "1 \n");
     REQUIRE(observer.reply);
     CHECK((observer.comes == observer.reply->number && observer.comes == observer.reply->next));

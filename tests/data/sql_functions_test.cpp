@@ -21,12 +21,7 @@ public:
         return row.step() && row.null(0);
     }
     std::string error(const std::string& sql) {
-        try {
-            data::Statement row = database_.first(sql);
-        } catch (const data::StoreError& e) {
-            return e.what();
-        }
-        return {};
+        return refusal_of<data::StoreError>([&] { return database_.first(sql); });
     }
 
 private:

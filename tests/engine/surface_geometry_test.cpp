@@ -6,7 +6,7 @@ using namespace palpate::engine;
 namespace {
 
 double gap(const Vec3& a, const Long3& b) {
-    return length(minus(b, a));
+    return length(b - Long3(a));
 }
 
 /// A point of the domain, on a knot now and then.

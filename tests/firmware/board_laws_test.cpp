@@ -103,30 +103,8 @@ BOARD_CASE("no state but armed has motors on, and every way between states is th
 
 BOARD_CASE("torques come out as asked, and never beyond the limit") {
     Talk<TestType> talk;
-    const std::int32_t limit = 80000;
-    talk.make_ready(50, limit);
-    Random random(5);
-    constexpr std::array<std::int32_t, 8> kEnds{
-        0, -1, 1, 80000, -80001, 2147483647, -2147483647 - 1, 100000};
-    for (int i = 0; i < 60; ++i) {
-        const auto pick = [&] {
-            return i < 16 ? kEnds[random.index(8)]
-                          : static_cast<std::int32_t>(random.in(-120000.0, 120000.0));
-        };
-        const std::array<std::int32_t, 2> asked{pick(), pick()};
-        CAPTURE(asked);
-        const auto answer = talk.torque(asked[0], asked[1]);
-        REQUIRE(is_state(answer, OpenState::armed));
-        const Vec3 given = 1e6 * talk.board.torque();
-        for (std::size_t axis = 0; axis < 2; ++axis) {
-            const double want = std::clamp<double>(asked[axis], -limit, limit);
-            const double got = axis == 0 ? given.x : given.y;
-            CHECK(std::fabs(got) <= limit + 1e-6);
-            CHECK(std::fabs(got) <= std::fabs(want) + 1e-6);
-            CHECK(std::fabs(got - want) <= kStep);
-            CHECK(((answer->report.flags >> (2U + axis)) & 1U) == (want == asked[axis] ? 0U : 1U));
-        }
-    }
+    talk.make_ready(50, 80000);
+    obeys_torques(talk, {80000, 80000}, kStep);
 }
 
 BOARD_CASE("motors are off when no torque came for as long as was asked") {

@@ -3,7 +3,9 @@
 #include <cstdlib>
 
 #include "engine/device/emulator/open_board.hpp"
+#include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/random.hpp"
 
 #if defined(PALPATE_FIRMWARE_328P)
 #include "tests/firmware/sim_board.hpp"
@@ -154,7 +156,69 @@ private:
     engine::OpenReader reader_;
 };
 
+/// Asks an armed board for torques at the ends of their range and anywhere, uN m: each axis gives
+/// what is asked, to its step, within its own limit, and flags what was cut.
+template <class ArmedTalk>
+void obeys_torques(ArmedTalk& talk, const engine::OpenAxes& limit, double step) {
+    constexpr std::array<std::uint16_t, 3> kClamped{1U << 2U, 1U << 3U, 1U << 10U};
+    constexpr std::array<std::int32_t, 11> kEnds{
+        0, -1, 1, 30000, -30001, 60001, -80001, 80000, 100000, 2147483647, -2147483647 - 1};
+    const std::size_t axes = talk.machine.axes();
+    Random random(7);
+    for (int i = 0; i < 80; ++i) {
+        const auto pick = [&] {
+            return i < 30 ? kEnds[random.index(kEnds.size())]
+                          : static_cast<std::int32_t>(random.in(-120000.0, 120000.0));
+        };
+        const engine::OpenAxes asked{pick(), pick(), axes == 3 ? pick() : 0};
+        CAPTURE(asked);
+        const auto answer = talk.torque(asked[0], asked[1], asked[2]);
+        REQUIRE(answer);
+        REQUIRE(answer->type == engine::OpenType::state);
+        CHECK(answer->report.state == engine::OpenState::armed);
+        CHECK(answer->report.axes == axes);
+        const engine::Vec3 given = 1e6 * talk.board.torque();
+        for (std::size_t k = 0; k < axes; ++k) {
+            const double want = std::clamp(asked[k], -limit[k], limit[k]);
+            const double got = given[static_cast<int>(k)];
+            CHECK(std::fabs(got) <= std::fabs(want) + 1e-6);
+            CHECK(std::fabs(got - want) <= step);
+            CHECK(got * want >= 0.0);
+            CHECK(((answer->report.flags & kClamped[k]) != 0) == (want != asked[k]));
+        }
+    }
+}
+
 #if defined(PALPATE_FIRMWARE_328P)
+constexpr double kStill = 1e-9;  ///< counts/s: an encoder stays where it is
+
+/// While encoders turn at `speeds`, counts/s, and a host talks for `ms`, no count, byte or answer
+/// is lost, and the answers are in time.
+template <class ReadyTalk>
+void counts_edges(ReadyTalk& talk, std::span<const double> speeds, int ms) {
+    const engine::OpenReport first = talk.peek();
+    std::vector<std::int64_t> before;
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+        before.push_back(talk.board.edges(i));
+        talk.board.spin(i, speeds[i]);
+    }
+    const std::vector<double> took = talk.talk_at_1_khz(ms);
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+        talk.board.spin(i, kStill);
+    }
+    talk.pass_ms(1);
+    const engine::OpenReport last = talk.peek();
+    REQUIRE(took.size() == static_cast<std::size_t>(ms));
+    CHECK(took.back() < 1.0);
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+        const std::int64_t turned = talk.board.edges(i) - before[i];
+        CHECK(last.counts[i] - first.counts[i] == turned);
+        CHECK(std::fabs(static_cast<double>(turned)) > 0.9e-3 * ms * std::fabs(speeds[i]));
+    }
+    CHECK((last.flags & (engine::kOpenSkippedEdge | engine::kOpenLostBytes)) == 0);
+    CHECK(last.bad_frames == 0);
+}
+
 /// What a chip comes to that is ready and whose encoders turn at `speed` counts/s each.
 template <class ReadyTalk>
 std::string numbers_at(double speed, ReadyTalk& talk) {

@@ -8,12 +8,6 @@ using namespace palpate::engine;
 
 #define CHIP_CASE(name) TEMPLATE_TEST_CASE(name, "[firmware][law]", On328p, On2560)
 
-namespace {
-
-constexpr double kStill = 1e-9;  // counts/s: it stays where it is
-
-}  // namespace
-
 CHIP_CASE("a program that hangs has its motors off within 17 ms, whatever hangs") {
     const bool interrupts = GENERATE(false, true);
     Talk<TestType> talk;
@@ -65,23 +59,7 @@ CHIP_CASE("the host's watchdog is there while the program's loop hangs") {
 CHIP_CASE("at the fastest that encoders may turn no count, byte or answer is lost") {
     Talk<TestType> talk;
     talk.make_ready(50);
-    const OpenReport first = talk.peek();
-    const std::array<std::int64_t, 2> before{talk.board.edges(0), talk.board.edges(1)};
-    talk.board.spin(0, 40000.0);
-    talk.board.spin(1, -40000.0);
-    const std::vector<double> took = talk.talk_at_1_khz(200);
-    talk.board.spin(0, kStill);
-    talk.board.spin(1, kStill);
-    talk.pass_ms(1);
-    const OpenReport last = talk.peek();
-    CHECK(took.size() == 200);
-    CHECK(took.back() < 1.0);
-    for (std::size_t i = 0; i < 2; ++i) {
-        CHECK(last.counts[i] - first.counts[i] == talk.board.edges(i) - before[i]);
-    }
-    CHECK(std::abs(talk.board.edges(0) - before[0]) > 7000);
-    CHECK((last.flags & (kOpenSkippedEdge | kOpenLostBytes)) == 0);
-    CHECK(last.bad_frames == 0);
+    counts_edges(talk, std::array{40000.0, -40000.0}, 200);
 }
 
 CHIP_CASE("encoders that turn too fast are reported, or the motors are off") {

@@ -54,31 +54,7 @@ TEMPLATE_TEST_CASE(
     REQUIRE(taken);
     CHECK(taken->config == config);
     talk.arm();
-    constexpr std::array<std::uint16_t, 3> kClamped{1U << 2U, 1U << 3U, 1U << 10U};
-    constexpr std::array<std::int32_t, 8> kEnds{0,     -1,    30000,      -30001,
-                                                60001, 80000, 2147483647, -2147483647 - 1};
-    Random random(7);
-    for (int i = 0; i < 80; ++i) {
-        const auto pick = [&] {
-            return i < 30 ? kEnds[random.index(8)]
-                          : static_cast<std::int32_t>(random.in(-100000.0, 100000.0));
-        };
-        const OpenAxes asked{pick(), pick(), pick()};
-        CAPTURE(asked);
-        const auto answer = talk.torque(asked[0], asked[1], asked[2]);
-        REQUIRE(answer);
-        REQUIRE(answer->type == OpenType::state);
-        CHECK(answer->report.axes == 3);
-        const Vec3 given = talk.torques();
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double limit = config.limit[k];
-            const double want = std::clamp<double>(asked[k], -limit, limit);
-            const double got = given[static_cast<int>(k)];
-            CHECK(std::fabs(got - want) <= kStepOf3);
-            CHECK(got * want >= 0.0);
-            CHECK(((answer->report.flags & kClamped[k]) != 0) == (std::fabs(asked[k]) > limit));
-        }
-    }
+    obeys_torques(talk, config.limit, kStepOf3);
     // What is of two axes is none of its words.
     const auto nak = talk.ask(open_torque(++talk.seq, {0, 0}, 2));
     REQUIRE(nak);
@@ -192,28 +168,8 @@ TEMPLATE_TEST_CASE("three encoders are counted, to and fro, and one that is too 
                    On2560Of3) {
     Talk3<TestType> talk;
     talk.make_ready(50, 120000);
-    constexpr double kStill = 1e-9;
-    constexpr std::array<double, 3> kSpeeds{25000.0, -20000.0, 25000.0};
     for (const double way : {1.0, -1.0}) {
-        const OpenReport first = talk.peek();
-        std::array<std::int64_t, 3> before{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            before[i] = talk.board.edges(i);
-            talk.board.spin(i, way * kSpeeds[i]);
-        }
-        const std::vector<double> took = talk.talk_at_1_khz(100);
-        for (std::size_t i = 0; i < 3; ++i) {
-            talk.board.spin(i, kStill);
-        }
-        talk.pass_ms(1);
-        const OpenReport last = talk.peek();
-        REQUIRE(took.size() == 100);
-        CHECK(took.back() < 1.0);
-        for (std::size_t i = 0; i < 3; ++i) {
-            CHECK(last.counts[i] - first.counts[i] == talk.board.edges(i) - before[i]);
-            CHECK(std::abs(talk.board.edges(i) - before[i]) > 1800);
-        }
-        CHECK((last.flags & (kOpenSkippedEdge | kOpenLostBytes)) == 0);
+        counts_edges(talk, std::array{way * 25000.0, way * -20000.0, way * 25000.0}, 100);
     }
     talk.disarm();
     talk.config({.token = talk.kToken, .zero_counts = true, .limit = {1, 1, 1}, .axes = 3});

@@ -42,30 +42,22 @@ TEST_CASE("a trembling hand does not bias the cues") {
 }
 
 TEST_CASE("nothing is learnt from ticks that are free, too light, stuck or off the chords") {
-    auto ticks = strokes({.curvature = 5.0});
-    const auto none_of = [](const std::vector<palpate::engine::TickRecord>& some) {
+    using palpate::engine::Mode;
+    const auto nothing_of = [](Mode mode, double normal_force, double away) {
+        auto ticks = strokes({.curvature = 5.0});
+        for (auto& tick : ticks) {
+            tick.mode = mode;
+            tick.normal_force = normal_force;
+            tick.hip.x += away;
+        }
         CurvatureCues cues(OutlineSpec{});
-        cues.add(some);
+        cues.add(ticks);
         const Cues result = cues.cues();
-        return !result.force && !result.position && result.friction == 0.0;
+        CHECK((!result.force && !result.position && result.friction == 0.0));
     };
-    CHECK(none_of({}));
-    for (auto& tick : ticks) {
-        tick.mode = palpate::engine::Mode::stuck;
-    }
-    CHECK(none_of(ticks));
-    for (auto& tick : ticks) {
-        tick.mode = palpate::engine::Mode::free;
-    }
-    CHECK(none_of(ticks));
-    for (auto& tick : ticks) {
-        tick.mode = palpate::engine::Mode::slip;
-        tick.normal_force = 0.04;
-    }
-    CHECK(none_of(ticks));
-    for (auto& tick : ticks) {
-        tick.normal_force = 1.0;
-        tick.hip.x += 0.5;
-    }
-    CHECK(none_of(ticks));
+    CHECK_FALSE(CurvatureCues(OutlineSpec{}).cues().force);
+    nothing_of(Mode::stuck, 0.5, 0.0);
+    nothing_of(Mode::free, 0.5, 0.0);
+    nothing_of(Mode::slip, 0.04, 0.0);
+    nothing_of(Mode::slip, 1.0, 0.5);
 }

@@ -181,9 +181,7 @@ TEST_CASE("a polygon that meets itself is found, and no other") {
                 corner = {random.below(12), random.below(12)};
             } while (std::find(grid.begin(), grid.end(), corner) != grid.end());
             grid.push_back(corner);
-            polygon.push_back(0.01 * Vec2{corner.first, corner.second});
-            polygon.back() =
-                Vec2{static_cast<double>(corner.first), static_cast<double>(corner.second)};
+            polygon.push_back(Vec2{corner.first, corner.second});
         }
         const auto at = [&](int i) {
             return grid[static_cast<std::size_t>(i % n)];

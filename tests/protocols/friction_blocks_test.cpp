@@ -72,10 +72,7 @@ TEST_CASE(
                 order.push_back(trial.condition.object);
             }
         }
-        CHECK(counts.size() == 5);
-        for (const auto& [object, count] : counts) {
-            CHECK(count == 5);
-        }
+        CHECK(even(counts, 5, 5));
         CHECK(palpate::tests::within_limits(main, {.object = 2}));
         orders.insert(order);
     }
@@ -101,9 +98,7 @@ TEST_CASE("abba goes there and back, blocked goes there again") {
     for (std::size_t i = 0; i < mirrored.size(); ++i) {
         places[mirrored[i]] += i;
     }
-    for (const auto& [friction, sum] : places) {
-        CHECK(sum == mirrored.size() - 1);
-    }
+    CHECK(even(places, frictions, mirrored.size() - 1));
     const auto blocked =
         frictions_of(blocked_plan_of(study(FrictionBlocks::blocked, frictions), seed));
     CHECK(round(blocked, 0) == round(blocked, 1));

@@ -80,6 +80,14 @@ inline std::map<Order, std::size_t> admissible(Order trials, const RunLimits& li
     return orders;
 }
 
+/// Whether so many cells have a count, each of them `each`.
+template <class Counts, class Number>
+bool even(const Counts& counts, std::size_t cells, Number each) {
+    return counts.size() == cells && std::ranges::all_of(counts, [each](const auto& one) {
+               return std::cmp_equal(one.second, each);
+           });
+}
+
 /// Pearson's chi-square against equal shares of so many cells, of which those without a count may
 /// be left out.
 template <class Counts>

@@ -80,20 +80,6 @@ bool backtracking(std::size_t k,
 
 }  // namespace
 
-TEST_CASE("every order has each trial exactly once and keeps the run limits") {
-    SEED(std::uint64_t{200});
-    Pcg32 random(seed, 5);
-    const Order trials = factorial_of(5, 2, 10);
-    const ConstrainedOrder drawn = OrderSampler(trials, {.object = 2, .friction = 3}).draw(random);
-
-    CHECK(longest_run(drawn.order, &Condition::object) <= 2);
-    CHECK(longest_run(drawn.order, &Condition::friction) <= 3);
-    Order sorted = drawn.order;
-    std::sort(sorted.begin(), sorted.end());
-    CHECK(sorted == trials);
-    CHECK(drawn.attempts >= 1);
-}
-
 // What tells uniform orders of every way of drawing (order_counter_test.cpp) is able to fail.
 TEST_CASE("repair by swaps is not uniform over all admissible orders") {
     const Order trials = factorial_of(2, 2, 2);

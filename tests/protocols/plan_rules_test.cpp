@@ -91,10 +91,7 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
             continue;
         }
         ++main;
-        CHECK(counts.size() == 10);
-        for (const auto& [condition, count] : counts) {
-            CHECK(count == 10 / blocks);
-        }
+        CHECK(even(counts, 10, 10 / blocks));
     }
     CHECK(main == blocks);
     std::map<std::size_t, Order> orders;
@@ -143,9 +140,7 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
         ++counts[plan.trials[i].condition];
     }
     CHECK(pairs.size() == 36);
-    for (const auto& [condition, count] : counts) {
-        CHECK(count == 6);
-    }
+    CHECK(even(counts, 6, 6));
 }
 
 TEST_CASE("what cannot be divided or balanced is refused with the remedy") {

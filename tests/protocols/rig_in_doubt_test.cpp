@@ -55,9 +55,7 @@ TEST_CASE(
     World world;
     Jumping rig(world, 1, Trip::late);
     Bystander observer(rig, where, cause);
-    Kinds kept;
-    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer);
     REQUIRE(rig.jumps >= 1);
     CHECK(kept.causes[std::string(to_string(cause))] == rig.jumps);
     CHECK(kept.count_of_key["rig check"] >= rig.jumps);  // begin() looks that it was before force
@@ -143,8 +141,7 @@ TEST_CASE("a device that goes away while a trouble waits to be left is waited fo
         Unplugged* rig_;
         bool pulled_ = false;
     } observer(rig);
-    Kinds kept;
-    CHECK((run_on(short_protocol(), rig, observer, kept).why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer);
     CHECK(std::ranges::any_of(observer.troubles, [](const TroubleView& view) {
         return !view.solved && view.sentence == "the cable is out";
     }));

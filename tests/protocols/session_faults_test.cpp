@@ -59,6 +59,7 @@ public:
     std::vector<Made> attempts;
     std::vector<std::string> events;
     bool finished = false;
+    std::size_t pauses = 0;
     int calls_left = -1;  ///< < 0: never killed
 
 private:
@@ -69,7 +70,7 @@ private:
     }
 };
 
-SessionEnd run(World& world, Observer& observer, Ledger& ledger, int* pauses = nullptr) {
+SessionEnd run(World& world, Observer& observer, Ledger& ledger) {
     FaultyApparatus apparatus(world);
     const SessionEnd end = run_session(kShortProtocol, kShortPlan, {}, ledger.progress(),
                                        {.apparatus = apparatus,
@@ -78,9 +79,7 @@ SessionEnd run(World& world, Observer& observer, Ledger& ledger, int* pauses = n
                                         .pause = [&](double seconds) {
                                             CHECK(seconds == kTroubleSlice);
                                             CHECK_FALSE(apparatus.force_on);
-                                            if (pauses != nullptr) {
-                                                ++*pauses;
-                                            }
+                                            ++ledger.pauses;
                                         }});
     CHECK_FALSE(apparatus.force_on);
     return end;
@@ -218,11 +217,10 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
     World world{.fault_share = 1.0, .max_faults = 1, .away = 3};
     Patient observer;
     Ledger ledger;
-    int pauses = 0;
-    CHECK(run(world, observer, ledger, &pauses).why == Why::finished);
+    CHECK(run(world, observer, ledger).why == Why::finished);
     const std::size_t faults = kShortPlan.trials.size();
     CHECK(world.asked == 4 * faults);
-    CHECK(static_cast<std::size_t>(pauses) == 3 * kSlicesPerTry * faults);
+    CHECK(ledger.pauses == 3 * kSlicesPerTry * faults);
     CHECK(kTroubleSlice * static_cast<double>(kSlicesPerTry) >= 0.5);
     CHECK(observer.troubles.front() ==
           TroubleView{.sentence = "the cable is still out: put it in", .tries = 1});

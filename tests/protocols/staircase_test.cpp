@@ -258,15 +258,11 @@ TEST_CASE("constant stimuli are balanced, in all orders alike") {
             ++counts[run.next()[0]];
             run.update(run.next(), 1);
             if (in_blocks && run.trials() % 7 == 0) {
-                for (const auto& [value, count] : counts) {
-                    REQUIRE(count == static_cast<int>(run.trials() / 7));
-                }
+                REQUIRE(even(counts, 7, run.trials() / 7));
             }
         }
         CHECK(run.trials() == 42);
-        for (const auto& [value, count] : counts) {
-            CHECK(count == 6);
-        }
+        CHECK(even(counts, 7, 6));
         CHECK_THROWS_WITH(run.update(run.next(), 1), Has("every stimulus was shown"));
     }
 }
@@ -286,31 +282,6 @@ TEST_CASE("a staircase that makes no sense is refused with the remedy") {
     Staircases db({{.start = 1.0, .scale = StepScale::db, .trials = 5}}, Pcg32(1, 1));
     CHECK_THROWS_WITH(db.update(std::vector<double>{0.0}, 1), Has("above 0"));
     CHECK_THROWS_WITH(db.update(std::vector<double>{1.0}, 2), Has("give 0 or 1"));
-}
-
-TEST_CASE("staircases and constant stimuli are rebuilt from their responses") {
-    SEEDED(random, std::uint64_t{40});
-    const ProcedureSpec spec =
-        seed % 2 == 0
-            ? ProcedureSpec(ConstantStimuliSpec{.values = evenly(0, 5, 6), .repetitions = 5})
-            : ProcedureSpec(std::vector<StaircaseSpec>{
-                  {.name = "a", .start = 3.0, .trials = 15},
-                  {.name = "b", .start = 5.0, .down = 3, .reversals = 6, .average = 4},
-                  {.name = "c", .start = 1.0, .down = 1, .trials = 9}});
-    Procedure run(spec, Pcg32(seed, 5));
-    Procedure rebuilt(spec, Pcg32(seed, 5));
-    const Procedure other(spec, Pcg32(seed + 100, 5));
-    CHECK(run.state_hash() != other.state_hash());
-    for (int i = 0; i < 20; ++i) {
-        const std::vector<double> x = run.next();
-        const auto r = random.index(2);
-        const std::string before = run.state_hash();
-        run.update(x, r);
-        REQUIRE(run.state_hash() != before);
-        REQUIRE(rebuilt.next() == x);
-        rebuilt.update(x, r);
-        REQUIRE(rebuilt.state_hash() == run.state_hash());
-    }
 }
 
 TEST_CASE("answers that are left out later move no other to another staircase") {

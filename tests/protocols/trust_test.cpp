@@ -93,9 +93,7 @@ TEST_CASE("no force is felt on a rig that was not proved since it could have cha
     World world{.seed = seed, .fault_share = 0.3};
     ChangingRig rig(world, wrong, cause);
     Meddler observer(rig);
-    Kinds kept;
-    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer);
     REQUIRE(observer.rests.size() >= 2);
     CHECK(kept.count[EventKind::fault] > 0);
     CHECK(kept.count_of_key["rig check"] >= observer.rests.size() + kept.count[EventKind::fault]);
@@ -119,10 +117,8 @@ TEST_CASE(
     rig.begins_anew = true;
     Meddler meddler(rig);
     Patient patient;
-    Kinds kept;
     Patient& observer = in_breaks ? static_cast<Patient&>(meddler) : patient;
-    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer);
     const std::size_t changes = in_breaks ? observer.rests.size() : kept.count[EventKind::fault];
     REQUIRE(changes >= 2);
     CHECK(kept.anew >= changes);
@@ -151,9 +147,7 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     } rig(world, 0, Trip::none);
     rig.begins_anew = true;
     Patient observer;
-    Kinds kept;
-    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer);
     CHECK(kept.anew == 2);
     REQUIRE_FALSE(observer.troubles.empty());
     CHECK(observer.troubles.back().by_hand);
@@ -197,9 +191,7 @@ TEST_CASE("what stands against every force is said while it does, and nothing go
     } observer(desk, held);
     World world;
     FaultyApparatus apparatus(world);
-    Kinds kept;
-    const SessionEnd end = run_on(short_protocol(), apparatus, observer, kept, &desk);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), apparatus, observer, &desk);
     CHECK(observer.released == 3);
     CHECK(kept.count[EventKind::go_on] == 3);
 }
@@ -249,9 +241,7 @@ TEST_CASE(
         int looks_ = 0;
         int pulses_ = 0;
     } observer(rig, in_trouble ? &desk : nullptr);
-    Kinds kept;
-    const SessionEnd end = run_on(short_protocol(), rig, observer, kept, &desk);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(short_protocol(), rig, observer, &desk);
     CHECK(observer.stops >= 2);
 }
 
@@ -288,9 +278,7 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
         bool tripped = false;
     } rig(world, 0, Trip::none);
     Patient observer;
-    Kinds kept;
-    const SessionEnd end = run_on(protocol, rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(protocol, rig, observer);
     CHECK(rig.trips < 0);
     CHECK(kept.count[EventKind::fault] == 3);
 }
@@ -351,9 +339,7 @@ TEST_CASE(
         Leaves* rig_;
         Random random_;
     } observer(rig, seed);
-    Kinds kept;
-    const SessionEnd end = run_on(protocol, rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(protocol, rig, observer);
     REQUIRE(observer.first + observer.later > 0);
     CHECK(kept.count[EventKind::fault] == observer.first + observer.later);
     CHECK(kept.causes[std::string(to_string(Trip::device_silent))] == kept.count[EventKind::fault]);
@@ -366,11 +352,9 @@ TEST_CASE("a protocol without breaks has its rig proved anew after thirty attemp
     World world;
     ChangingRig rig(world, 0, Trip::none);
     Patient observer;
-    Kinds kept;
     const Plan plan = plan_of(protocol);
     REQUIRE(plan.trials.size() > 2 * kMaxTrialsOfAProof);
-    const SessionEnd end = run_on(protocol, rig, observer, kept);
-    CHECK((end.why == SessionEnd::Why::finished));
+    FinishedRun kept(protocol, rig, observer);
     const std::size_t expected = (plan.trials.size() - 1) / kMaxTrialsOfAProof;
     CHECK(observer.rests.size() >= expected);
     CHECK(kept.count_of_key["rig check"] >= expected + 1);

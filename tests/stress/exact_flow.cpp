@@ -8,8 +8,6 @@ namespace {
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using tests::operator*;
-using tests::operator+;
 
 constexpr int kMaxSteps = 4000;
 constexpr long double kStepError = 1e-12L;  ///< of |r|, or of the size if that is less
@@ -42,25 +40,25 @@ ExactFlow::Place ExactFlow::look(const Piece& piece, const Two& at) const {
     Place p;
     p.at = at;
     p.point = j.s;
-    const Long3 r = h_ + -1.0L * j.s;
-    p.reach = std::sqrt(inner(r, r));
-    const Long3 area = crossed(j.su, j.sv);
-    const long double e = inner(j.su, j.su);
-    const long double f = inner(j.su, j.sv);
-    const long double g = inner(j.sv, j.sv);
-    const long double area2 = inner(area, area);
+    const Long3 r = h_ - j.s;
+    p.reach = std::sqrt(glm::dot(r, r));
+    const Long3 area = glm::cross(j.su, j.sv);
+    const long double e = glm::dot(j.su, j.su);
+    const long double f = glm::dot(j.su, j.sv);
+    const long double g = glm::dot(j.sv, j.sv);
+    const long double area2 = glm::dot(area, area);
     p.metric = {e, f, g};
     const long double tiny = 1e-18L * object_->size() * object_->size();  // a pole
     if (!(area2 > 1e-20L * e * g) || e < tiny || g < tiny) {
         return p;
     }
     const Long3 n = (1.0L / std::sqrt(area2)) * area;
-    p.load = -inner(r, n);
+    p.load = -glm::dot(r, n);
     const Long3 t = r + p.load * n;
-    p.along = std::sqrt(inner(t, t));
+    p.along = std::sqrt(glm::dot(t, t));
     p.excess = p.along - mu_ * std::max(p.load, 0.0L);
-    const long double a = inner(t, j.su);
-    const long double b = inner(t, j.sv);
+    const long double a = glm::dot(t, j.su);
+    const long double b = glm::dot(t, j.sv);
     const long double by = 1.0L / (area2 * p.along);
     p.way = {(g * a - f * b) * by, (e * b - f * a) * by};
     p.regular = std::isfinite(p.way[0]) && std::isfinite(p.way[1]) && p.along > 0.0L;

@@ -173,18 +173,11 @@ bool first_of(Row a, Row b, Row noise, Real from, Real width, int halvings, Root
 
 }  // namespace
 
-Point place(const Vec2& a) {
-    return {a.x, a.y};
-}
-Real dot(const Point& a, const Point& b) {
-    return a.x * b.x + a.y * b.y;
-}
 Real turn(const Point& a, const Point& b) {
     return a.x * b.y - a.y * b.x;
 }
 Point unit(const Point& a) {
-    const Real length = std::sqrt(dot(a, a));
-    return {a.x / length, a.y / length};
+    return a / std::sqrt(glm::dot(a, a));
 }
 
 std::size_t repeats(const RationalBezier<2>& span, bool at_end) {

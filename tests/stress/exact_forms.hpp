@@ -15,13 +15,8 @@ using Real = long double;
 /// Bernstein coefficients, of a degree that a span's forms may have.
 using Row = boost::container::static_vector<Real, 3 * engine::kMaxDegree + 1>;
 
-struct Point {
-    Real x = 0.0L;
-    Real y = 0.0L;
-};
+using Point = glm::vec<2, Real>;
 
-[[nodiscard]] Point place(const engine::Vec2& a);
-[[nodiscard]] Real dot(const Point& a, const Point& b);
 [[nodiscard]] Real turn(const Point& a, const Point& b);
 [[nodiscard]] Point unit(const Point& a);
 
@@ -38,7 +33,7 @@ struct SpanRows {
     Row tx, ty;         ///< nx and ny without the repeated control points of either end
     std::size_t first;  ///< control points that repeat the start
     std::size_t last;   ///< the end
-    Point origin;
+    Point origin{};
     bool forward;
 };
 

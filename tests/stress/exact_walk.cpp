@@ -57,7 +57,7 @@ public:
         }
         const Vec2 end = outline_.spans()[index].point(
             forward ? static_cast<std::size_t>(outline_.spans()[index].degree()) : 0);
-        const Stretch last = stretch(place(end), tangent(index, forward), direction);
+        const Stretch last = stretch(Point(end), tangent(index, forward), direction);
         // Where the curve stands still at its end, the control points tell its tangent.
         const Real unsure =
             repeats(outline_.spans()[index], forward) > 0 ? 0.0L : doubt(span, 1.0L, 0.0L, last);
@@ -79,7 +79,7 @@ public:
             return;
         }
         const Point along = fan_tangent(seam, phi);
-        const Stretch at = stretch(place(seam.point), along, 1);
+        const Stretch at = stretch(Point(seam.point), along, 1);
         if (!begins(at, 0.0L)) {
             return;
         }
@@ -89,7 +89,7 @@ public:
 private:
     /// tau in the direction of travel.
     struct Stretch {
-        Point at;
+        Point at{};
         Real tau = 0.0L;
         Real nu = 0.0L;
         Real excess = 0.0L;
@@ -97,15 +97,14 @@ private:
 
     /// `along`: unit, in the direction of the outline; the way goes with it or against it.
     [[nodiscard]] Stretch stretch(const Point& at, const Point& along, int direction) const {
-        const Point r{h_.x - at.x, h_.y - at.y};
-        Stretch s{.at = at, .tau = direction * dot(r, along), .nu = turn(r, along)};
+        const Point r = Point(h_) - at;
+        Stretch s{.at = at, .tau = direction * glm::dot(r, along), .nu = turn(r, along)};
         s.excess = std::fabs(s.tau) - mu_ * std::max(s.nu, 0.0L);
         return s;
     }
     [[nodiscard]] Stretch stretch_of(const SpanRows& span, Real x, Real y) const {
         const Point ahead = tangent_of(span, x, y);
-        const Point along = span.forward ? ahead : Point{-ahead.x, -ahead.y};
-        return stretch(point_of(span, x, y), along, span.forward ? 1 : -1);
+        return stretch(point_of(span, x, y), span.forward ? ahead : -ahead, span.forward ? 1 : -1);
     }
     /// What rounding in doubles makes of tau and nu by turning the tangent, m.
     [[nodiscard]] Real doubt(const SpanRows& span, Real x, Real y, const Stretch& s) const {
@@ -125,9 +124,7 @@ private:
     }
     void stop(const Stretch& s, bool corner = false) {
         answer_.stops.push_back(
-            {.point = Vec2{static_cast<double>(s.at.x), static_cast<double>(s.at.y)},
-             .nu = static_cast<double>(s.nu),
-             .corner = corner});
+            {.point = Vec2(s.at), .nu = static_cast<double>(s.nu), .corner = corner});
     }
     /// Unit, along the outline, at an end of a span.
     [[nodiscard]] Point tangent(std::size_t index, bool at_end) const {
@@ -136,7 +133,7 @@ private:
         const std::size_t k = repeats(span, at_end) + 1;
         const Vec2& a = span.local_point(at_end ? n - k : 0);
         const Vec2& b = span.local_point(at_end ? n : k);
-        return unit({static_cast<Real>(b.x) - a.x, static_cast<Real>(b.y) - a.y});
+        return unit(Point(b) - Point(a));
     }
 
     /// A smooth seam, which may be hollow, has the tangents of its two ends only.
@@ -156,7 +153,7 @@ private:
         const RationalBezier<2>& span = outline_.spans()[index];
         if (!seam) {
             const Vec2 end = span.point(forward ? static_cast<std::size_t>(span.degree()) : 0);
-            stop(stretch(place(end), tangent(index, forward), direction));
+            stop(stretch(Point(end), tangent(index, forward), direction));
             return;
         }
         if (++visits_ > 4 * outline_.spans().size() + 8) {
@@ -172,9 +169,9 @@ private:
     void fan(std::size_t index, int direction, const Point& along) {
         const Seam& seam = outline_.seams()[index];
         const bool forward = direction > 0;
-        const Stretch near = stretch(place(seam.point), along, direction);
+        const Stretch near = stretch(Point(seam.point), along, direction);
         const Point beyond = tangent(forward ? seam.after : seam.before, !forward);
-        const Stretch far = stretch(place(seam.point), beyond, direction);
+        const Stretch far = stretch(Point(seam.point), beyond, direction);
         if (near.excess <= band_ || near.tau <= band_ ||
             (seam.kind == SeamKind::smooth && far.tau <= band_)) {  // a smooth seam may be hollow
             stop(near);
@@ -192,8 +189,8 @@ private:
 
     void corner(std::size_t index, int direction) {
         const Seam& seam = outline_.seams()[index];
-        const Stretch on = stretch(place(seam.point), tangent(seam.after, false), 1);
-        const Stretch back = stretch(place(seam.point), tangent(seam.before, true), -1);
+        const Stretch on = stretch(Point(seam.point), tangent(seam.after, false), 1);
+        const Stretch back = stretch(Point(seam.point), tangent(seam.before, true), -1);
         // Left along the side that drives outwards, out of its own cone, unless the other side
         // holds the god-object in its cone: on that side alone it would stay. Of two the steeper
         // one.
@@ -269,8 +266,7 @@ ExactAnswer exact_walk(const ExactOutline& outline,
 bool outside_of_some(const ExactOutline& outline, const Vec2& h, double within) {
     constexpr int kSamples = 256;
     const auto from = [&h](const SpanRows& span, Real u) {
-        const Point at = point_of(span, u, 1.0L - u);
-        return Point{h.x - at.x, h.y - at.y};
+        return Point(h) - point_of(span, u, 1.0L - u);
     };
     for (const SpanRows& span : outline.on) {
         for (int i = 1; i < kSamples; ++i) {
@@ -280,11 +276,11 @@ bool outside_of_some(const ExactOutline& outline, const Vec2& h, double within) 
                 const Real third = (high - low) / 3.0L;
                 const Point a = from(span, low + third);
                 const Point b = from(span, high - third);
-                const bool falls = dot(b, b) <= dot(a, a);
+                const bool falls = glm::dot(b, b) <= glm::dot(a, a);
                 (falls ? low : high) += falls ? third : -third;
             }
             const Point r = from(span, low);
-            if (std::sqrt(dot(r, r)) <= within && low > 1e-6L && low < 1.0L - 1e-6L &&
+            if (glm::length(r) <= within && low > 1e-6L && low < 1.0L - 1e-6L &&
                 turn(r, tangent_of(span, low, 1.0L - low)) <= 0.0L) {
                 return true;
             }

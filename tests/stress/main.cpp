@@ -34,39 +34,32 @@ void declare(CLI::App& app, Options& options) {
 /// At most so many reproducers of one law are written.
 constexpr int kKept = 5;
 
-std::uint64_t seed_of(const Case& c) {
-    return c.scene.seed;
-}
-std::uint64_t seed_of(const SurfaceCase& c) {
-    return c.seed;
-}
-
 template <class AnyCase>
 void report(const AnyCase& c, const Breach& breach, const std::string& folder) {
     const AnyCase small = shrunk(c, breach);
     Tally none;
     const auto found = feel(small, none, false);
     const Breach& last = found ? *found : breach;
-    const std::string name = fmt::format("{}/stress_{}", folder, seed_of(c));
+    const std::string name = fmt::format("{}/stress_{}", folder, c.seed);
     std::ofstream(name + ".toml") << scene_text(small);
     std::ofstream(name + ".csv") << path_text(small);
     fmt::print(
         "BROKEN: {}: {} above {}, seed {} tick {}; in {}.toml and .csv tick {} of {}, {} above "
         "{}\n",
-        breach.law, breach.value, breach.limit, seed_of(c), breach.tick, name, last.tick,
+        breach.law, breach.value, breach.limit, c.seed, breach.tick, name, last.tick,
         small.path.size(), last.value, last.limit);
 }
 
 template <class AnyCase>
-void judge(const AnyCase& c,
+void judge(const std::optional<AnyCase>& c,
            const Options& options,
            Tally& tally,
            std::map<std::string, int>& broken) {
-    if (const auto breach = feel(c, tally, true)) {
-        if (++broken[breach->law] <= kKept) {
-            report(c, *breach, options.out);
-            std::fflush(stdout);
-        }
+    tally.refused_scenes += c ? 0U : 1U;
+    const auto breach = c ? feel(*c, tally, true) : std::nullopt;
+    if (breach && ++broken[breach->law] <= kKept) {
+        report(*c, *breach, options.out);
+        std::fflush(stdout);
     }
 }
 
@@ -88,17 +81,11 @@ int main(int count, char** arguments) {
          tally.scenes < options.scenes && seconds() < options.seconds; ++seed) {
         ++tally.scenes;
         if (options.object == "surface") {
-            judge(random_surface_case(seed, mood), options, tally, broken);
+            judge(std::optional(random_surface_case(seed, mood)), options, tally, broken);
         } else if (options.object == "patches") {
-            if (const auto c = random_patches_case(seed, mood)) {
-                judge(*c, options, tally, broken);
-            } else {
-                ++tally.refused_scenes;
-            }
-        } else if (const auto c = random_case(seed, mood)) {
-            judge(*c, options, tally, broken);
+            judge(random_patches_case(seed, mood), options, tally, broken);
         } else {
-            ++tally.refused_scenes;
+            judge(random_case(seed, mood), options, tally, broken);
         }
     }
     fmt::print(

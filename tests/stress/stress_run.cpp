@@ -60,29 +60,67 @@ std::optional<double> too_slow(Tally& tally,
     return best > patience.too_slow ? std::optional(best) : std::nullopt;
 }
 
-bool same_bits(const Contact& a, const Contact& b) {
+template <class AnyContact>
+bool same_bits(const AnyContact& a, const AnyContact& b) {
     return std::memcmp(&a.force, &b.force, sizeof a.force) == 0 &&
            std::memcmp(&a.go, &b.go, sizeof a.go) == 0 && a.mode == b.mode;
 }
 
-std::optional<Breach> feel_again(const engine::Scene& scene,
-                                 ContactState state,
-                                 std::size_t from,
-                                 const std::vector<Vec2>& path,
-                                 const std::vector<Contact>& felt) {
-    for (std::size_t i = from; i < felt.size(); ++i) {
-        if (!same_bits(scene.tick(state, path[i]), felt[i])) {
+/// A tick that says that its work limit ended it may be slow.
+bool was_ended(const Contact& /*contact*/) {
+    return false;
+}
+bool was_ended(const SurfaceContact& contact) {
+    return !contact.settled || !contact.cp.proven;
+}
+
+void count(const Contact& contact, Tally& tally) {
+    tally.on_vertex += !free(contact) && contact.place.on_seam ? 1U : 0U;
+}
+void count(const SurfaceContact& contact, Tally& tally) {
+    tally.unproven += contact.cp.proven && contact.on_flow ? 0U : 1U;
+    tally.unsettled += contact.settled ? 0U : 1U;
+}
+
+template <class AnyCase, class Scene, class Laws, class State>
+std::optional<Breach> feel_all(const AnyCase& c,
+                               const Scene& scene,
+                               Laws& laws,
+                               State& state,
+                               const Patience& patience,
+                               Tally& tally,
+                               bool watch) {
+    State twin = state;
+    for (std::size_t i = 0; i < c.path.size(); ++i) {
+        const State before = state;
+        const auto start = Clock::now();
+        const auto contact = scene.tick(state, c.path[i]);
+        if (watch) {
+            const auto s = too_slow(tally, c.seed, start, patience, scene, before, c.path[i]);
+            if (s && !was_ended(contact)) {
+                return Breach{"a tick takes bounded time, or says that it was ended", i, *s,
+                              patience.too_slow};
+            }
+        }
+        ++tally.ticks;
+        tally.in_contact += free(contact) ? 0U : 1U;
+        count(contact, tally);
+        if (!same_bits(scene.tick(twin, c.path[i]), contact)) {
             return Breach{.law = "the same path gives the same bits", .tick = i};
         }
+        if (auto breach = laws.look(c.path[i], before, state, contact)) {
+            return breach;
+        }
     }
+    tally.walks += laws.walks;
+    tally.ties += laws.ties;
     return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
-    Case c;
-    c.scene = random_scene(seed, mood);
+    Case c{.seed = seed, .scene = random_scene(seed, mood), .outline = {}, .path = {}};
     for (int i = 0; i < 2 && !c.outline; ++i) {
         try {
             c.outline =
@@ -113,71 +151,18 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
     const engine::Scene scene = renderer_of(c);
     TickLaws laws(scene);
     ContactState state;
-    ContactState middle;
-    const std::size_t half = c.path.size() / 2;
-    std::vector<Contact> felt;
-    felt.reserve(c.path.size());
-    for (std::size_t i = 0; i < c.path.size(); ++i) {
-        if (i == half) {
-            middle = state;
-        }
-        const ContactState before = state;
-        const auto start = Clock::now();
-        const Contact contact = scene.tick(state, c.path[i]);
-        if (watch) {
-            if (const auto s =
-                    too_slow(tally, c.scene.seed, start, kPlane, scene, before, c.path[i])) {
-                return Breach{"a tick takes bounded time", i, *s, kPlane.too_slow};
-            }
-        }
-        ++tally.ticks;
-        tally.in_contact += contact.mode != engine::Mode::free ? 1U : 0U;
-        tally.on_vertex += contact.mode != engine::Mode::free && contact.place.on_seam ? 1U : 0U;
-        felt.push_back(contact);
-        if (auto breach = laws.look(c.path[i], before, state, contact)) {
-            return breach;
-        }
-    }
+    const auto breach = feel_all(c, scene, laws, state, kPlane, tally, watch);
     tally.certified += laws.certified();
-    tally.walks += laws.walks;
-    tally.ties += laws.ties;
-    return feel_again(scene, middle, half, c.path, felt);
+    return breach;
 }
 
 std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
     const engine::SurfaceScene scene(surfaces_of(c), engine::SurfaceSceneSpec{.contact = c.spec});
     SurfaceLaws laws(scene, c.pieces.empty() ? std::vector{c.data} : c.pieces);
     engine::SurfaceState state;
-    for (std::size_t i = 0; i < c.path.size(); ++i) {
-        const engine::SurfaceState before = state;
-        const auto start = Clock::now();
-        const engine::SurfaceContact contact = scene.tick(state, c.path[i]);
-        if (watch) {
-            const auto s = too_slow(tally, c.seed, start, kSurface, scene, before, c.path[i]);
-            if (s && contact.settled && contact.cp.proven) {
-                return Breach{"a tick takes bounded time, or says that it was ended", i, *s,
-                              kSurface.too_slow};
-            }
-        }
-        ++tally.ticks;
-        tally.in_contact += contact.mode != engine::Mode::free ? 1U : 0U;
-        tally.unproven += contact.cp.proven && contact.on_flow ? 0U : 1U;
-        tally.unsettled += contact.settled ? 0U : 1U;
-        if (i % 8 == 0) {
-            engine::SurfaceState again = before;
-            const engine::SurfaceContact twin = scene.tick(again, c.path[i]);
-            if (std::memcmp(&twin.force, &contact.force, sizeof twin.force) != 0) {
-                return Breach{.law = "the same path gives the same bits", .tick = i};
-            }
-        }
-        if (auto breach = laws.look(c.path[i], before, state, contact)) {
-            return breach;
-        }
-    }
+    const auto breach = feel_all(c, scene, laws, state, kSurface, tally, watch);
     tally.certified += state.track.certified_calls;
-    tally.walks += laws.walks();
-    tally.ties += laws.ties();
-    return std::nullopt;
+    return breach;
 }
 
 std::string scene_text(const Case& c) {

@@ -23,6 +23,7 @@ struct Tally {
 };
 
 struct Case {
+    std::uint64_t seed = 0;
     StressScene scene;
     std::shared_ptr<const engine::Outline> outline;
     std::vector<engine::Vec2> path;
@@ -34,10 +35,10 @@ struct Case {
 /// The renderer of a case.
 [[nodiscard]] engine::Scene renderer_of(const Case& c);
 
-/// Feels the path and holds every tick to the laws; then feels its second half again, bit for bit.
+/// Feels the path and holds every tick to the laws; and feels it again beside that, bit for bit.
 /// @param watch  ticks that seem slow are timed again
 [[nodiscard]] std::optional<Breach> feel(const Case& c, Tally& tally, bool watch);
-/// The same over a surface; every eighth tick is felt again.
+/// The same over a surface.
 [[nodiscard]] std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch);
 
 /// The same breach in a path as short as it can be made by leaving ticks out: the last few ticks

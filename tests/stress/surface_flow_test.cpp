@@ -104,7 +104,7 @@ TEST_CASE("a slide ends at the first place of its flow in the cone, where tangen
     CHECK(slide.settled);
     const FlowEnd end = ExactFlow(object, oracles).end(from, hand, mu);
     REQUIRE(end.kind == FlowEnd::Kind::cone);
-    CHECK(tests::length(tests::minus(end.point, slide.point + object.origin())) <
+    CHECK(tests::length(end.point - tests::Long3(slide.point + object.origin())) <
           1e-10 * object.size());
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("the end of a flow on a plane is the straight way to the cone") {
     const FlowEnd end =
         ExactFlow(object, oracles).end(object.surface(0).place_of(0.5, 0.5), hand, 0.5L);
     REQUIRE(end.kind == FlowEnd::Kind::cone);
-    CHECK(tests::length(tests::minus(end.point, on + 8.5e-3 * side)) < 1e-15);
+    CHECK(tests::length(end.point - tests::Long3(on + 8.5e-3 * side)) < 1e-15);
     CHECK(std::fabs(static_cast<double>(end.way) - 8.5e-3) < 1e-15);
 }
 

@@ -5,8 +5,6 @@ namespace {
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using tests::operator*;
-using tests::operator+;
 
 /// So is a foot where the distance has hardly a minimum.
 constexpr double kSurfaceFootSlack = 200.0;
@@ -92,12 +90,12 @@ bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
 /// what is left along the surface is no measure of how far it is.
 bool SurfaceLaws::step_bends(const Tick& now) const {
     const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
-    const Long3 r = minus(j.s, now.h);
-    const long double uu = inner(j.su, j.su) + inner(r, j.suu);
-    const long double uv = inner(j.su, j.sv) + inner(r, j.suv);
-    const long double vv = inner(j.sv, j.sv) + inner(r, j.svv);
-    const long double a = inner(r, j.su);
-    const long double b = inner(r, j.sv);
+    const Long3 r = j.s - Long3(now.h);
+    const long double uu = glm::dot(j.su, j.su) + glm::dot(r, j.suu);
+    const long double uv = glm::dot(j.su, j.sv) + glm::dot(r, j.suv);
+    const long double vv = glm::dot(j.sv, j.sv) + glm::dot(r, j.svv);
+    const long double a = glm::dot(r, j.su);
+    const long double b = glm::dot(r, j.sv);
     const long double det = uu * vv - uv * uv;
     const long double du = (uv * b - vv * a) / det;
     const long double dv = (uv * a - uu * b) / det;
@@ -111,7 +109,7 @@ bool SurfaceLaws::singular(const SurfaceContact& c) const {
     const LongJet jet = oracle(c).jet(c.go_u, c.go_v);
     const double a = length(jet.su);
     const double b = length(jet.sv);
-    const double area = length(crossed(jet.su, jet.sv));
+    const double area = length(glm::cross(jet.su, jet.sv));
     const double size = scene_->object().size();
     return a < 1e-4 * size || b < 1e-4 * size || area < 1e-3 * a * b;
 }
@@ -137,16 +135,16 @@ void SurfaceLaws::check_contact(const Tick& now) {
             // The last bits of u and v are worth most where heavy control points pull.
             const double bits =
                 4e-16 * (length(jet.su) * d.knots_u.back() + length(jet.sv) * d.knots_v.back());
-            off = std::min(off, length(minus(jet.s, c.go)) - bits);
-            const Long3 area = crossed(jet.su, jet.sv);
+            off = std::min(off, length(jet.s - Long3(c.go)) - bits);
+            const Long3 area = glm::cross(jet.su, jet.sv);
             const double across = length(area);
             const double a = length(jet.su);
             const double b = length(jet.sv);
             const double size = scene_->object().size();
             regular = regular && across > 1e-3 * a * b && a > 1e-3 * size && b > 1e-3 * size;
             const Long3 side = (1.0L / across) * area;
-            turned = std::min(turned, length(minus(side, c.normal)));
-            carried = std::max(carried, inner({c.force.x, c.force.y, c.force.z}, side));
+            turned = std::min(turned, length(side - Long3(c.normal)));
+            carried = std::max(carried, glm::dot(Long3(c.force), side));
         }
     }
     // Rounding turns the normal, by as much as the exact one shows here, and some times that beside
@@ -222,10 +220,10 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     if (end.kind != FlowEnd::Kind::cone || (end.load <= 0.0L && free(c))) {
         return;
     }
-    ++walks_;
+    ++walks;
     const double limit = kFlowSlack * scene_->object().size() + 10.0 * same_;
     const auto off = [&c, limit](const FlowEnd& e) {
-        return free(c) ? (e.load > 0.0L ? 2.0 * limit : 0.0) : length(minus(e.point, c.go));
+        return free(c) ? (e.load > 0.0L ? 2.0 * limit : 0.0) : length(e.point - Long3(c.go));
     };
     if (off(end) <= limit) {
         return;
@@ -242,9 +240,9 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
         }
     }
     for (const FlowEnd& other : others) {
-        if (other.kind != end.kind || length(minus(other.point, c.go)) <= limit ||
-            length(other.point + -1.0L * end.point) > limit) {
-            ++ties_;
+        if (other.kind != end.kind || length(other.point - Long3(c.go)) <= limit ||
+            length(other.point - end.point) > limit) {
+            ++ties;
             return;
         }
     }
@@ -258,13 +256,13 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
 double SurfaceLaws::foot_open(const Tick& now) const {
     const auto& d = oracle(now.contact).data();
     const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
-    const Long3 r = minus(j.s, now.h);
-    const long double e = inner(j.su, j.su);
-    const long double f = inner(j.su, j.sv);
-    const long double g = inner(j.sv, j.sv);
-    const long double uu = e + inner(r, j.suu);
-    const long double uv = f + inner(r, j.suv);
-    const long double vv = g + inner(r, j.svv);
+    const Long3 r = j.s - Long3(now.h);
+    const long double e = glm::dot(j.su, j.su);
+    const long double f = glm::dot(j.su, j.sv);
+    const long double g = glm::dot(j.sv, j.sv);
+    const long double uu = e + glm::dot(r, j.suu);
+    const long double uv = f + glm::dot(r, j.suv);
+    const long double vv = g + glm::dot(r, j.svv);
     const long double half = 0.5L * (uu * g - 2.0L * uv * f + vv * e) / (e * g - f * f);
     const long double product = (uu * vv - uv * uv) / (e * g - f * f);
     const long double least = half - std::sqrt(std::fmax(half * half - product, 0.0L));

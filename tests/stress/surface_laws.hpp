@@ -20,8 +20,8 @@ public:
 
     /// Slides that were held to the end of their flow, and those of them whose end hangs on
     /// rounding.
-    [[nodiscard]] std::uint64_t walks() const noexcept { return walks_; }
-    [[nodiscard]] std::uint64_t ties() const noexcept { return ties_; }
+    std::uint64_t walks = 0;
+    std::uint64_t ties = 0;
 
 private:
     struct Tick {
@@ -46,8 +46,6 @@ private:
 
     const engine::SurfaceScene* scene_;
     std::vector<tests::SurfaceOracle> oracles_;
-    std::uint64_t walks_ = 0;
-    std::uint64_t ties_ = 0;
     double extent_ = 0.0;
     double same_ = 0.0;
     Tick last_{};

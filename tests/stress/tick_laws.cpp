@@ -16,14 +16,6 @@ constexpr double kFootSlack = 10.0;
 /// How far from the exact first root a god-object may stop, of the object's size.
 constexpr double kFirstRoot = 1e-9;
 
-double extent_of(const engine::Outline& outline) noexcept {
-    double extent = 0.0;
-    for (const auto& span : outline.spans()) {
-        extent = std::max({extent, largest(span.box().low), largest(span.box().high)});
-    }
-    return extent;
-}
-
 /// A followed foot counts as sharp while f' is a tenth of |C'|^2: it may be ten times as far from
 /// one that was searched for as the rounding of four lengths.
 constexpr double kBlunt = 40.0;
@@ -35,7 +27,7 @@ TickLaws::TickLaws(const engine::Scene& scene)
       feet_(scene.outline()),
       exact_(scene.outline()),
       size_(size_of(scene.outline())),
-      extent_(extent_of(scene.outline())) {}
+      extent_(exact_.extent) {}
 
 std::optional<Breach> TickLaws::look(const Vec2& h,
                                      const engine::ContactState& before,

@@ -158,7 +158,7 @@ private:
     ExactOutline exact_;
     engine::TrackState track_;
     double size_ = 0.0;    ///< diagonal of the control points, m
-    double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
+    double extent_ = 0.0;  ///< largest coordinate of the outline, m
     double same_ = 0.0;    ///< lengths nearer than this are the same in this tick, m
     bool after_refusal_ = false;
     bool last_far_ = false;  ///< the last tick was too far away to be looked at

@@ -159,4 +159,14 @@ inline SessionEnd run_on(const Protocol& protocol,
                         .desk = desk});
 }
 
+/// What is kept of a session that must finish.
+struct FinishedRun : Kinds {
+    FinishedRun(const Protocol& protocol,
+                Apparatus& rig,
+                Patient& observer,
+                OperatorDesk* desk = nullptr) {
+        CHECK((run_on(protocol, rig, observer, *this, desk).why == SessionEnd::Why::finished));
+    }
+};
+
 }  // namespace palpate::tests

@@ -13,57 +13,42 @@ namespace palpate::tests {
 inline engine::Calibration emulated_calibration(std::string_view preset = "gen3") {
     struct Machine {
         std::string_view name;
-        engine::FiveBar linkage;
+        double driven, free, base;  ///< links, m
         double counts_per_turn;
         engine::Vec2 origin;
-        engine::HaplyWiring wiring;
+        std::uint8_t id;
+        std::array<std::uint8_t, 2> port;
+        std::array<bool, 2> clockwise;
     };
-    const auto linkage = [](double driven, double free, double base) {
-        return engine::FiveBar{
-            .driven_1 = driven, .driven_2 = driven, .free_1 = free, .free_2 = free, .base = base};
-    };
-    const Machine machines[]{{"gen3",
-                              linkage(0.07, 0.09, 0.038),
-                              4880.0,
-                              {0.019, 0.065},
-                              {.id = 5, .port = {2, 1}, .grip_pin = {}}},
-                             {"gen2",
-                              linkage(0.07, 0.09, 0.0),
-                              10752.0,
-                              {0.0, 0.065},
-                              {.id = 5,
-                               .port = {2, 1},
-                               .motor_clockwise = {false, true},
-                               .encoder_clockwise = {false, true},
-                               .grip_pin = {}}},
-                             {"haplet",
-                              linkage(0.05, 0.07, 0.02),
-                              13824.0,
-                              {0.010, 0.035},
-                              {.id = 3,
-                               .port = {1, 2},
-                               .motor_clockwise = {true, true},
-                               .encoder_clockwise = {true, true},
-                               .grip_pin = {}}}};
-    for (const Machine& machine : machines) {
-        if (machine.name != preset) {
-            continue;
-        }
-        const engine::Axis axis{.counts_per_turn = machine.counts_per_turn,
-                                .zero = 0.0,
-                                .torque_limit = engine::kHaplyTorque,
-                                .torque_forever = 0.5 * engine::kHaplyTorque,
-                                .codes_full_scale = 4095.0};
-        engine::Calibration calibration;
-        calibration.pantograph.name = machine.name;
-        calibration.pantograph.linkage = machine.linkage;
-        calibration.pantograph.axes = {axis, axis};
-        calibration.pantograph.origin = machine.origin;
-        calibration.haply = machine.wiring;
-        calibration.home = engine::Vec2{0.0, 0.060};
-        return calibration;
+    const Machine machines[]{
+        {"gen3", 0.07, 0.09, 0.038, 4880.0, {0.019, 0.065}, 5, {2, 1}, {false, false}},
+        {"gen2", 0.07, 0.09, 0.0, 10752.0, {0.0, 0.065}, 5, {2, 1}, {false, true}},
+        {"haplet", 0.05, 0.07, 0.02, 13824.0, {0.010, 0.035}, 3, {1, 2}, {true, true}}};
+    const auto* const of = std::ranges::find(machines, preset, &Machine::name);
+    if (of == std::end(machines)) {
+        throw std::invalid_argument("no such machine: " + std::string(preset));
     }
-    throw std::invalid_argument("no such machine: " + std::string(preset));
+    const engine::Axis axis{.counts_per_turn = of->counts_per_turn,
+                            .zero = 0.0,
+                            .torque_limit = engine::kHaplyTorque,
+                            .torque_forever = 0.5 * engine::kHaplyTorque,
+                            .codes_full_scale = 4095.0};
+    engine::Calibration calibration;
+    calibration.pantograph.name = of->name;
+    calibration.pantograph.linkage = {.driven_1 = of->driven,
+                                      .driven_2 = of->driven,
+                                      .free_1 = of->free,
+                                      .free_2 = of->free,
+                                      .base = of->base};
+    calibration.pantograph.axes = {axis, axis};
+    calibration.pantograph.origin = of->origin;
+    calibration.haply = engine::HaplyWiring{.id = of->id,
+                                            .port = of->port,
+                                            .motor_clockwise = of->clockwise,
+                                            .encoder_clockwise = of->clockwise,
+                                            .grip_pin = {}};
+    calibration.home = engine::Vec2{0.0, 0.060};
+    return calibration;
 }
 
 /// The third of them on an open board, whose firmware is built for it.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "data/store/people.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/studies.hpp"
 
 /// Rigs whose files are to be merged.
@@ -92,12 +93,6 @@ private:
     std::int64_t session_ = 0;
 };
 
-inline std::string copy_of(const std::string& file, const TemporaryFolder& folder, int number) {
-    const std::string to = folder.file(fmt::format("copy{}.sqlite", number));
-    std::filesystem::copy_file(file, to);
-    return to;
-}
-
 /// Rigs that went through random steps, and copies of their files from in between.
 struct MergeWorld {
     explicit MergeWorld(std::uint64_t seed) : random(seed) {
@@ -110,7 +105,7 @@ struct MergeWorld {
             Rig& rig = rigs[random.index(5)];
             rig.step(random);
             if (random.below(8) == 0) {
-                files.push_back(copy_of(rig.file(), folder, i));
+                files.push_back(copied(rig.file(), folder.file(fmt::format("copy{}.sqlite", i))));
             }
         }
         if (random.coin()) {

@@ -45,6 +45,22 @@ inline std::string a_database(const TemporaryFolder& folder) {
     return file;
 }
 
+/// A server, and a file that lies in a folder.
+#define A_SERVER_AND_FILE(server, folder, file) \
+    A_SERVER(server);                           \
+    const TemporaryFolder folder;               \
+    const std::string file = a_database(folder)
+
+inline Finished pushed(const std::string& file, const std::string& url, const Words& more = {}) {
+    return palpate_command(joined({"push", file, "--to", url}, more));
+}
+
+/// The first value that a server SELECTs.
+inline std::string told(const std::string& url, const std::string& what) {
+    return data::Postgres(url).rows("SELECT " + what).at(0).at(0).value();
+}
+inline const std::string kSessions = "count(*) FROM palpate.session";
+
 /// Number and hash of the rows of each table.
 inline std::string content(const std::string& url) {
     data::Postgres server(url);

@@ -86,13 +86,12 @@ private:
 };
 
 inline std::string study_of_rig(const TemporaryFolder& folder) {
-    const std::string soft =
-        replaced(four_trials(),
-                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",  // its handle stays at home
-                 "start_radius_mm = 0\nstiffness_n_per_m = 200\nforce_limit_n = 1.5");
-    const std::string text = replaced(soft, "break_every = 0", "break_every = 1");
-    std::ofstream(folder.file("p.toml")) << text;
-    return folder.file("p.toml");
+    // Soft: its handle stays at home.
+    return write(folder.file("p.toml"),
+                 edited(four_trials(),
+                        {{"stiffness_n_per_m = 1000\nforce_limit_n = 10",
+                          "start_radius_mm = 0\nstiffness_n_per_m = 200\nforce_limit_n = 1.5"},
+                         {"break_every = 0", "break_every = 1"}}));
 }
 
 inline std::string ran_words(const TemporaryFolder& folder, const std::string& device) {

@@ -4,6 +4,7 @@
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 /// Rows of the virtual table `sample`, and what they must be by the reader's ticks.
 namespace palpate::tests {
@@ -46,13 +47,8 @@ struct Opened : data::Database {
 
 /// A copy of the demo's file, to be changed.
 struct DemoCopy : private TemporaryFolder, Opened {
-    DemoCopy() : Opened(copied(*this), data::Access::write) {}
-
-private:
-    static std::string copied(const TemporaryFolder& folder) {
-        std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
-        return folder.file("d.sqlite");
-    }
+    DemoCopy()
+        : Opened(copied(demo_file(), TemporaryFolder::file("d.sqlite")), data::Access::write) {}
 };
 
 inline std::vector<SampleRow> sql_rows(data::Database& database, const std::string& sql) {

@@ -19,25 +19,10 @@ inline engine::NurbsSurface make_surface(const SurfaceData& d) {
     return {d.degree_u, d.degree_v, d.knots_u, d.knots_v, d.points, d.weights};
 }
 
-using Long3 = std::array<long double, 3>;
+using Long3 = glm::vec<3, long double>;
 
-inline Long3 operator+(const Long3& a, const Long3& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-inline Long3 operator*(long double s, const Long3& a) {
-    return {s * a[0], s * a[1], s * a[2]};
-}
-inline long double inner(const Long3& a, const Long3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline Long3 crossed(const Long3& a, const Long3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 inline double length(const Long3& a) {
-    return static_cast<double>(std::sqrt(inner(a, a)));
-}
-inline Long3 minus(const Long3& a, const engine::Vec3& h) {
-    return {a[0] - h.x, a[1] - h.y, a[2] - h.z};
+    return static_cast<double>(std::sqrt(glm::dot(a, a)));
 }
 
 /// Derivatives 0, 1, 2 of the basis: eq. 2.7 of the same book, applied to lower degrees.
@@ -124,32 +109,26 @@ public:
         const auto a = basis_jet(d_.knots_u, pu, d_.degree_u, d_.points.size(), u);
         const auto b = basis_jet(d_.knots_v, pv, d_.degree_v, d_.points[0].size(), v);
         const auto sum = [&](std::size_t k, std::size_t l) {
-            std::array<long double, 4> h{};
+            glm::vec<4, long double> h(0.0L);
             for (std::size_t i = 0; i < a[k].size(); ++i) {
                 for (std::size_t j = 0; j < b[l].size(); ++j) {
                     const long double w =
                         a[k][i] * b[l][j] * (d_.weights.empty() ? 1.0 : d_.weights[i][j]);
-                    for (int c = 0; c < 3; ++c) {
-                        h[static_cast<std::size_t>(c)] += w * d_.points[i][j][c];
-                    }
-                    h[3] += w;
+                    h += w * glm::vec<4, long double>(d_.points[i][j], 1.0);
                 }
             }
             return h;
         };
-        const auto xyz = [](const std::array<long double, 4>& h) {
-            return Long3{h[0], h[1], h[2]};
-        };
         const auto h = sum(0, 0), hu = sum(1, 0), hv = sum(0, 1);
         const auto huu = sum(2, 0), huv = sum(1, 1), hvv = sum(0, 2);
-        const long double w = 1.0L / h[3];
+        const long double w = 1.0L / h.w;
         LongJet r;
-        r.s = w * xyz(h);
-        r.su = w * (xyz(hu) + -hu[3] * r.s);
-        r.sv = w * (xyz(hv) + -hv[3] * r.s);
-        r.suu = w * (xyz(huu) + -2.0L * hu[3] * r.su + -huu[3] * r.s);
-        r.suv = w * (xyz(huv) + -hu[3] * r.sv + -hv[3] * r.su + -huv[3] * r.s);
-        r.svv = w * (xyz(hvv) + -2.0L * hv[3] * r.sv + -hvv[3] * r.s);
+        r.s = w * Long3(h);
+        r.su = w * (Long3(hu) + -hu.w * r.s);
+        r.sv = w * (Long3(hv) + -hv.w * r.s);
+        r.suu = w * (Long3(huu) + -2.0L * hu.w * r.su + -huu.w * r.s);
+        r.suv = w * (Long3(huv) + -hu.w * r.sv + -hv.w * r.su + -huv.w * r.s);
+        r.svv = w * (Long3(hvv) + -2.0L * hv.w * r.sv + -hvv.w * r.s);
         return r;
     }
 
@@ -224,15 +203,15 @@ private:
         std::vector<long double> d2(side * side);
         long double step2 = 0.0L;
         for (std::size_t k = 0; k < d2.size(); ++k) {
-            const Long3 gap = minus(grid[k], h);
-            d2[k] = inner(gap, gap);
+            const Long3 gap = grid[k] - Long3(h);
+            d2[k] = glm::dot(gap, gap);
             if (k >= side) {
-                const Long3 edge = grid[k] + -1.0L * grid[k - side];
-                step2 = std::max(step2, inner(edge, edge));
+                const Long3 edge = grid[k] - grid[k - side];
+                step2 = std::max(step2, glm::dot(edge, edge));
             }
             if (k % side != 0) {
-                const Long3 edge = grid[k] + -1.0L * grid[k - 1];
-                step2 = std::max(step2, inner(edge, edge));
+                const Long3 edge = grid[k] - grid[k - 1];
+                step2 = std::max(step2, glm::dot(edge, edge));
             }
         }
         const long double reach = std::sqrt(best.distance2) + 3.0L * std::sqrt(step2);
@@ -273,18 +252,18 @@ private:
         const long double lo_u = d_.knots_u[pu], hi_u = d_.knots_u[pu + 1];
         const long double lo_v = d_.knots_v[pv], hi_v = d_.knots_v[pv + 1];
         LongJet j = jet(pu, pv, u, v);
-        Long3 r = minus(j.s, h);
-        long double value = inner(r, r);
+        Long3 r = j.s - Long3(h);
+        long double value = glm::dot(r, r);
         long double damp = 0.0L;
         for (int step = 0; step < 200; ++step) {
-            const long double gu = inner(r, j.su), gv = inner(r, j.sv);
+            const long double gu = glm::dot(r, j.su), gv = glm::dot(r, j.sv);
             const bool fix_u = (u <= lo_u && gu > 0.0L) || (u >= hi_u && gu < 0.0L);
             const bool fix_v = (v <= lo_v && gv > 0.0L) || (v >= hi_v && gv < 0.0L);
-            long double a = inner(j.su, j.su) + inner(r, j.suu);
-            long double c = inner(j.sv, j.sv) + inner(r, j.svv);
-            const long double b = fix_u || fix_v ? 0.0L : inner(j.su, j.sv) + inner(r, j.suv);
-            const long double scale_u = inner(j.su, j.su) + 1e-300L;
-            const long double scale_v = inner(j.sv, j.sv) + 1e-300L;
+            long double a = glm::dot(j.su, j.su) + glm::dot(r, j.suu);
+            long double c = glm::dot(j.sv, j.sv) + glm::dot(r, j.svv);
+            const long double b = fix_u || fix_v ? 0.0L : glm::dot(j.su, j.sv) + glm::dot(r, j.suv);
+            const long double scale_u = glm::dot(j.su, j.su) + 1e-300L;
+            const long double scale_v = glm::dot(j.sv, j.sv) + 1e-300L;
             a += damp * scale_u;
             c += damp * scale_v;
             a = fix_u ? 1.0L : a;  // held: its curvature is nobody's business
@@ -307,8 +286,8 @@ private:
             const long double nu = std::clamp(u + du, lo_u, hi_u);
             const long double nv = std::clamp(v + dv, lo_v, hi_v);
             const LongJet jn = jet(pu, pv, nu, nv);
-            const Long3 rn = minus(jn.s, h);
-            const long double next = inner(rn, rn);
+            const Long3 rn = jn.s - Long3(h);
+            const long double next = glm::dot(rn, rn);
             if (next <= value * (1.0L + 1e-18L)) {  // flat at its minimum: on until u and v settle
                 const bool settled = std::fabs(nu - u) + std::fabs(nv - v) < 1e-17L;
                 u = nu;
