@@ -73,6 +73,15 @@ catches() {
     clean_tree
 }
 
+# breach PLACE WORDS LINE...: in a file of these lines, and nowhere else, the guard finds one breach, for that reason.
+breach() {
+    place=$1
+    words=$2
+    shift 2
+    put "${place%:*}" "$@"
+    catches "$place" "$words"
+}
+
 passes() { # passes WHAT
     check || { failed=$((failed + 1)); printf '%s\n' "WRONGLY CAUGHT  $1" "$found"; }
     clean_tree
@@ -85,34 +94,24 @@ clean_tree
 passes 'a clean tree'
 
 # The order of the rooms, and of the folders of each.
-put engine/math/a.hpp '#pragma once' '' '#include "stimuli/object.hpp"'
-catches engine/math/a.hpp:3 'may not see stimuli'
-put stimuli/a.hpp '#include "protocols/a.hpp"'
-catches stimuli/a.hpp:1 'may not see protocols'
-put protocols/file/a.cpp '' '#  include "data/a.hpp"'
-catches protocols/file/a.cpp:2 'may not see data'
-put data/store/a.cpp '#include "ui/a.hpp" // once'
-catches data/store/a.cpp:1 'may not see ui'
-put ui/subject/a.cpp '#include "tests/support/catch.hpp"'
-catches ui/subject/a.cpp:1 'may not see tests'
-put engine/math/a.cpp '#include "engine/contact/foot.hpp"'
-catches engine/math/a.cpp:1 'engine/math may not see engine/contact'
-put engine/realtime/a.cpp '#include "engine/math/sine.hpp"'
-catches engine/realtime/a.cpp:1 'engine/realtime may not see engine/math'
-put engine/device/a.cpp '#include "engine/device/drivers/port.hpp"'
-catches engine/device/a.cpp:1 'engine/device may not see engine/device/drivers'
-put protocols/file/a.cpp '#include "protocols/session/run.hpp"'
-catches protocols/file/a.cpp:1 'protocols/file may not see protocols/session'
-put data/store/a.cpp '' '#include "data/verify/finding.hpp"'
-catches data/store/a.cpp:2 'data/store may not see data/verify'
+breach engine/math/a.hpp:3 'may not see stimuli' '#pragma once' '' '#include "stimuli/object.hpp"'
+breach stimuli/a.hpp:1 'may not see protocols' '#include "protocols/a.hpp"'
+breach protocols/file/a.cpp:2 'may not see data' '' '#  include "data/a.hpp"'
+breach data/store/a.cpp:1 'may not see ui' '#include "ui/a.hpp" // once'
+breach ui/subject/a.cpp:1 'may not see tests' '#include "tests/support/catch.hpp"'
+breach engine/math/a.cpp:1 'engine/math may not see engine/contact' '#include "engine/contact/foot.hpp"'
+breach engine/realtime/a.cpp:1 'engine/realtime may not see engine/math' '#include "engine/math/sine.hpp"'
+breach engine/device/a.cpp:1 'engine/device may not see engine/device/drivers' \
+    '#include "engine/device/drivers/port.hpp"'
+breach protocols/file/a.cpp:1 'protocols/file may not see protocols/session' '#include "protocols/session/run.hpp"'
+breach data/store/a.cpp:2 'data/store may not see data/verify' '' '#include "data/verify/finding.hpp"'
 put engine/device/drivers/a.hpp '#include "engine/device/port.hpp"' '#include "engine/device/drivers/b.hpp"'
 passes 'a folder inside another sees that and itself'
-put engine/magic/a.cpp '#include <cmath>'
-catches engine/magic/a.cpp:1 'engine/magic has no place'
+breach engine/magic/a.cpp:1 'engine/magic has no place' '#include <cmath>'
 put data/a.cpp '#include "protocols/file/parse.hpp"'
 passes 'a room sees every folder to the left'
-put data/CMakeLists.txt 'palpate_folder(store' '    SEES verify)' 'palpate_folder(verify SEES store)'
-catches data/CMakeLists.txt:2 'not above it'
+breach data/CMakeLists.txt:2 'not above it' \
+    'palpate_folder(store' '    SEES verify)' 'palpate_folder(verify SEES store)'
 
 # Chains of headers, and rings of files.
 chain_of() { # chain_of COUNT: h1 needs h2, which needs h3 ...
@@ -138,121 +137,79 @@ put tests/data/a.hpp '#include "tests/data/a.hpp"'
 passes 'a file of the tests that needs itself'
 
 # How an include is written.
-put data/store/a.cpp '#include "database.hpp"'
-catches data/store/a.cpp:1 'does not name its room'
-put data/store/a.cpp '#include "store/database.hpp"'
-catches data/store/a.cpp:1 'does not name its room'
-put data/store/a.cpp '' '' '#include "../store/database.hpp"'
-catches data/store/a.cpp:3 'without dots'
-put data/store/a.cpp '#include "data/../ui/window.hpp"'
-catches data/store/a.cpp:1 'without dots'
-put tests/data/a.cpp '#include "./store_test.hpp"'
-catches tests/data/a.cpp:1 'without dots'
-put data/store/a.cpp '#include <ui/window.hpp>'
-catches data/store/a.cpp:1 'with quotes'
-put data/store/a.cpp '#include A_MACRO'
-catches data/store/a.cpp:1 'cannot read'
+breach data/store/a.cpp:1 'does not name its room' '#include "database.hpp"'
+breach data/store/a.cpp:1 'does not name its room' '#include "store/database.hpp"'
+breach data/store/a.cpp:3 'without dots' '' '' '#include "../store/database.hpp"'
+breach data/store/a.cpp:1 'without dots' '#include "data/../ui/window.hpp"'
+breach tests/data/a.cpp:1 'without dots' '#include "./store_test.hpp"'
+breach data/store/a.cpp:1 'with quotes' '#include <ui/window.hpp>'
+breach data/store/a.cpp:1 'cannot read' '#include A_MACRO'
 
 # Libraries.
-put data/a.cpp '#include <SDL.h>'
-catches data/a.cpp:1 'SDL2 belongs to ui'
-put engine/device/a.cpp '#include <SDL2/SDL_events.h>'
-catches engine/device/a.cpp:1 'SDL2 belongs to ui'
-put ui/subject/a.cpp '#include <SDL2/SDL.h>'
-catches ui/subject/a.cpp:1 'SDL2 belongs to ui/sdl'
-put ui/sdl/a.hpp '#include <SDL2/SDL.h>'
-catches ui/sdl/a.hpp:1 'enters by ui/sdl/sdl.hpp'
-put ui/a.cpp '#include <sqlite3.h>'
-catches ui/a.cpp:1 'SQLite belongs to data'
-put data/a.hpp '#pragma once' '#include <sqlite3.h>'
-catches data/a.hpp:2 'stays out of headers'
-put data/a.cpp '#include <toml++/toml.h>'
-catches data/a.cpp:1 'toml++ belongs to protocols'
-put protocols/a.cpp '#include <CLI/CLI.hpp>'
-catches protocols/a.cpp:1 'CLI11 belongs to ui'
-put protocols/a.cpp '#include <zlib.h>'
-catches protocols/a.cpp:1 'zlib belongs to data'
-put stimuli/a.cpp '#include <nettle/sha2.h>'
-catches stimuli/a.cpp:1 'nettle belongs to engine/base data'
-put engine/contact/a.cpp '#include <fmt/core.h>'
-catches engine/contact/a.cpp:1 'fmt belongs to'
-put engine/contact/a.cpp '#include <comedilib.h>'
-catches engine/contact/a.cpp:1 'comedilib belongs to engine/device/drivers'
-put data/a.cpp '#include <rapidjson/document.h>'
-catches data/a.cpp:1 'no library that the guard knows'
-put data/store/a.cpp '#include <nlohmann/json.hpp>'
-catches data/store/a.cpp:1 'nlohmann belongs to'
-put data/store/a.cpp '#include <boost/math/distributions/normal.hpp>'
-catches data/store/a.cpp:1 'Boost belongs to data/statistics'
-put data/statistics/a.cpp '#include <Eigen/Cholesky>'
-catches data/statistics/a.cpp:1 'Eigen enters by data/statistics/solve.cpp'
+breach data/a.cpp:1 'SDL2 belongs to ui' '#include <SDL.h>'
+breach engine/device/a.cpp:1 'SDL2 belongs to ui' '#include <SDL2/SDL_events.h>'
+breach ui/subject/a.cpp:1 'SDL2 belongs to ui/sdl' '#include <SDL2/SDL.h>'
+breach ui/sdl/a.hpp:1 'enters by ui/sdl/sdl.hpp' '#include <SDL2/SDL.h>'
+breach ui/a.cpp:1 'SQLite belongs to data' '#include <sqlite3.h>'
+breach data/a.hpp:2 'stays out of headers' '#pragma once' '#include <sqlite3.h>'
+breach data/a.cpp:1 'toml++ belongs to protocols' '#include <toml++/toml.h>'
+breach protocols/a.cpp:1 'CLI11 belongs to ui' '#include <CLI/CLI.hpp>'
+breach protocols/a.cpp:1 'zlib belongs to data' '#include <zlib.h>'
+breach stimuli/a.cpp:1 'nettle belongs to engine/base data' '#include <nettle/sha2.h>'
+breach engine/contact/a.cpp:1 'fmt belongs to' '#include <fmt/core.h>'
+breach engine/contact/a.cpp:1 'comedilib belongs to engine/device/drivers' '#include <comedilib.h>'
+breach data/a.cpp:1 'no library that the guard knows' '#include <rapidjson/document.h>'
+breach data/store/a.cpp:1 'nlohmann belongs to' '#include <nlohmann/json.hpp>'
+breach data/store/a.cpp:1 'Boost belongs to data/statistics' '#include <boost/math/distributions/normal.hpp>'
+breach data/statistics/a.cpp:1 'Eigen enters by data/statistics/solve.cpp' '#include <Eigen/Cholesky>'
 put data/statistics/solve.cpp '#include <Eigen/Cholesky>'
 passes 'Eigen by its own door'
 put data/a.hpp '#include <fmt/core.h>' '#include <glm/vec2.hpp>'
 passes 'glm and fmt in a header'
 
 # What keeps a result the same to the bit.
-put engine/contact/a.cpp 'double a = std::sin(1.0);'
-catches engine/contact/a.cpp:1 'libm'
-put engine/contact/a.cpp '/* one' 'two */ double a = glm::atan(1.0);'
-catches engine/contact/a.cpp:2 'libm'
-put engine/contact/a.cpp 'double a = pow (2.0, 0.5);  // a comment'
-catches engine/contact/a.cpp:1 'libm'
-put engine/contact/a.cpp 'auto f = &std::hypot;'
-catches engine/contact/a.cpp:1 'libm'
-put engine/contact/a.cpp 'auto f = "\"" + ::log10f(2.0F);'
-catches engine/contact/a.cpp:1 'libm'
-put engine/contact/a.cpp 'auto t = R"x(' 'std::sin(' ')x"; auto b = std::atan2(1.0, 2.0);'
-catches engine/contact/a.cpp:3 'libm'
-put stimuli/a.cpp 'std::shuffle(a.begin(), a.end(), rng);'
-catches stimuli/a.cpp:1 'one order everywhere'
-put protocols/a.cpp '' 'std::normal_distribution<> d;'
-catches protocols/a.cpp:2 'one order everywhere'
-put engine/device/a.cpp 'int a = rand();'
-catches engine/device/a.cpp:1 'one order everywhere'
+breach engine/contact/a.cpp:1 'libm' 'double a = std::sin(1.0);'
+breach engine/contact/a.cpp:2 'libm' '/* one' 'two */ double a = glm::atan(1.0);'
+breach engine/contact/a.cpp:1 'libm' 'double a = pow (2.0, 0.5);  // a comment'
+breach engine/contact/a.cpp:1 'libm' 'auto f = &std::hypot;'
+breach engine/contact/a.cpp:1 'libm' 'auto f = "\"" + ::log10f(2.0F);'
+breach engine/contact/a.cpp:3 'libm' 'auto t = R"x(' 'std::sin(' ')x"; auto b = std::atan2(1.0, 2.0);'
+breach stimuli/a.cpp:1 'one order everywhere' 'std::shuffle(a.begin(), a.end(), rng);'
+breach protocols/a.cpp:2 'one order everywhere' '' 'std::normal_distribution<> d;'
+breach engine/device/a.cpp:1 'one order everywhere' 'int a = rand();'
 put stimuli/a.cpp 'double a = std::sin(1.0) + operand(2);'
 passes 'libm outside engine, and a name that ends in rand'
-put CMakeLists.txt 'target_compile_options(palpate_engine PRIVATE' '    -ffast-math)'
-catches CMakeLists.txt:2 'to the bit'
-put CMakePresets.json '{' '"CMAKE_CXX_FLAGS": "-Ofast"' '}'
-catches CMakePresets.json:2 'to the bit'
+breach CMakeLists.txt:2 'to the bit' 'target_compile_options(palpate_engine PRIVATE' '    -ffast-math)'
+breach CMakePresets.json:2 'to the bit' '{' '"CMAKE_CXX_FLAGS": "-Ofast"' '}'
 
 # What links what.
-put data/CMakeLists.txt 'palpate_folder(store SOURCES a.cpp LINK SQLite::SQLite3' '    SDL2::SDL2)' 'palpate_folder(verify SEES store)'
-catches data/CMakeLists.txt:2 'data may not link SDL2::SDL2'
-put stimuli/CMakeLists.txt 'palpate_room_uses(palpate::engine palpate::data)'
-catches stimuli/CMakeLists.txt:1 'stimuli may not link palpate::data'
-put stimuli/CMakeLists.txt 'target_link_libraries(palpate_stimuli PUBLIC palpate::engine SDL2::SDL2)'
-catches stimuli/CMakeLists.txt:1 'stimuli may not link SDL2::SDL2'
-put data/store/CMakeLists.txt '' 'target_link_libraries(palpate_data PUBLIC palpate::engine)'
-catches data/store/CMakeLists.txt:2 'data may not link palpate::engine'
-put ui/subject/CMakeLists.txt 'target_link_libraries(palpate PRIVATE palpate::ui SQLite::SQLite3)'
-catches ui/subject/CMakeLists.txt:1 'ui may not link SQLite::SQLite3'
-put ui/subject/CMakeLists.txt 'link_libraries(m)'
-catches ui/subject/CMakeLists.txt:1 'link_libraries'
-put data/store/CMakeLists.txt 'file(GLOB sources *.cpp)'
-catches data/store/CMakeLists.txt:1 'by hand'
+breach data/CMakeLists.txt:2 'data may not link SDL2::SDL2' \
+    'palpate_folder(store SOURCES a.cpp LINK SQLite::SQLite3' '    SDL2::SDL2)' 'palpate_folder(verify SEES store)'
+breach stimuli/CMakeLists.txt:1 'stimuli may not link palpate::data' 'palpate_room_uses(palpate::engine palpate::data)'
+breach stimuli/CMakeLists.txt:1 'stimuli may not link SDL2::SDL2' \
+    'target_link_libraries(palpate_stimuli PUBLIC palpate::engine SDL2::SDL2)'
+breach data/store/CMakeLists.txt:2 'data may not link palpate::engine' \
+    '' 'target_link_libraries(palpate_data PUBLIC palpate::engine)'
+breach ui/subject/CMakeLists.txt:1 'ui may not link SQLite::SQLite3' \
+    'target_link_libraries(palpate PRIVATE palpate::ui SQLite::SQLite3)'
+breach ui/subject/CMakeLists.txt:1 'link_libraries' 'link_libraries(m)'
+breach data/store/CMakeLists.txt:1 'by hand' 'file(GLOB sources *.cpp)'
 
 # Files.
-put data/long.cpp "$(yes 'int x;' | head -n 401)"
-catches data/long.cpp:401 'longer than 400'
+breach data/long.cpp:401 'longer than 400' "$(yes 'int x;' | head -n 401)"
 put data/long.cpp "$(yes 'int x;' | head -n 400)"
 passes 'a file of 400 lines'
-put data/long.cpp 'int f(int a,' '      int b) {' "$(yes '    ++a;' | head -n 58)" '}'
-catches data/long.cpp:61 'a function of 61 lines'
-put data/long.cpp 'class C {' 'public:' '    int f() {' "$(yes '        ++a;' | head -n 59)" '    }' '};'
-catches data/long.cpp:63 'a function of 61 lines'
+breach data/long.cpp:61 'a function of 61 lines' 'int f(int a,' '      int b) {' "$(yes '    ++a;' | head -n 58)" '}'
+breach data/long.cpp:63 'a function of 61 lines' \
+    'class C {' 'public:' '    int f() {' "$(yes '        ++a;' | head -n 59)" '    }' '};'
 put data/long.cpp 'class C {' 'public:' '    int f() {' "$(yes '        ++a;' | head -n 58)" '    }' '};' \
     'constexpr int kMany[]{' "$(yes '    1,' | head -n 70)" '};' 'int f() {' "$(yes '    ++a;' | head -n 58)" '}'
 passes 'functions of 60 lines, and a table'
 put data/a.cpp 'int a;' && printf 'int b;' >>data/a.cpp
 catches data/a.cpp:2 'does not end'
-put README.md 'Look into /ho''me/ann/data.'
-catches README.md:1 'one machine'
-put data/a.cpp '' '// see /ro''ot/notes'
-catches data/a.cpp:2 'one machine'
-put tests/data/a.cpp "const char* k = \"$scratch/tree/data\";"
-catches tests/data/a.cpp:1 'one machine'
+breach README.md:1 'one machine' 'Look into /ho''me/ann/data.'
+breach data/a.cpp:2 'one machine' '' '// see /ro''ot/notes'
+breach tests/data/a.cpp:1 'one machine' "const char* k = \"$scratch/tree/data\";"
 
 # Several breaches in several files are all listed.
 put data/a.cpp '#include "ui/a.hpp"' '#include <SDL.h>'

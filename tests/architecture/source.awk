@@ -16,28 +16,28 @@ BEGIN {
 
     # Where a library's headers may be included: a room, or a folder of one. In .cpp files only, but
     # for glm, fmt, Boost's whole numbers and JSON's forward declarations: values of our own interfaces.
-    where["glm"] = "engine stimuli protocols data ui"
-    where["fmt"] = "engine/base protocols data ui"
-    where["toml++"] = "protocols"
-    where["nettle"] = "engine/base data"
-    where["SQLite"] = "data"
-    where["zlib"] = "data"
-    where["Boost"] = "data/statistics"
-    where["Boost.Multiprecision"] = "protocols/order"
-    where["xxHash"] = "data"
-    where["SDL2"] = "ui/sdl"
-    where["SDL_syswm"] = "ui/subject"
-    where["libpng"] = "ui/subject ui/session"
-    where["CLI11"] = "ui"
-    where["libmicrohttpd"] = "ui/console"
-    where["nlohmann"] = "protocols/file data/csv data/export data/analysis data/fit data/inference data/choice data/page data/tables ui"
-    # Curves that yield; nothing that a tick computes.
-    where["Eigen"] = "engine/deformation data/statistics"
+    library("glm", "^glm/", "engine stimuli protocols data ui")
+    library("fmt", "^fmt/", "engine/base protocols data ui")
+    library("toml++", "^(toml\\+\\+|tomlplusplus)/|^toml\\.hpp$", "protocols")
+    library("nettle", "^nettle/", "engine/base data")
+    library("SQLite", "^sqlite3(ext)?\\.h$", "data")
+    library("zlib", "^(zlib|zconf)\\.h$", "data")
+    library("Boost", "^boost/math/", "data/statistics")
+    library("Boost.Multiprecision", "^boost/multiprecision/", "protocols/order")
+    library("xxHash", "^xxh(ash|3)\\.h$", "data")
+    library("SDL_syswm", "^SDL2/SDL_syswm\\.h$", "ui/subject")
+    library("SDL2", "^SDL", "ui/sdl")
+    library("libpng", "^png\\.h$", "ui/subject ui/session")
+    library("CLI11", "^CLI/", "ui")
+    library("libmicrohttpd", "^microhttpd\\.h$", "ui/console")
+    library("nlohmann", "^nlohmann/", "protocols/file data/csv data/export data/analysis data/fit data/inference" \
+        " data/choice data/page data/tables ui")
+    library("Eigen", "^Eigen/", "engine/deformation data/statistics")  # curves that yield; nothing that a tick computes
+    library("comedilib", "^comedi(lib)?\\.h$", "engine/device/drivers")
     # Of a library that is slow to compile, or is loaded late: which file of a folder includes it.
     door["data/statistics", "Boost"] = "data/statistics/distributions.cpp"
     door["data/statistics", "Eigen"] = "data/statistics/solve.cpp"
     door["ui/sdl", "SDL2"] = "ui/sdl/sdl.hpp"
-    where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
             " stdint.h stdbool.h pty.h dirent.h link.h netdb.h syscall.h spawn.h glob.h pwd.h stdlib.h stdio.h string.h"
@@ -116,41 +116,32 @@ function check_order(path, to,   to_folder) {
                ": its SEES in " room "/CMakeLists.txt does not name it")
 }
 
-function library_of(path) {
-    if (path ~ /^glm\//) return "glm"
-    if (path ~ /^fmt\//) return "fmt"
-    if (path ~ /^(toml\+\+|tomlplusplus)\/|^toml\.hpp$/) return "toml++"
-    if (path ~ /^nettle\//) return "nettle"
-    if (path ~ /^sqlite3(ext)?\.h$/) return "SQLite"
-    if (path ~ /^boost\/math\//) return "Boost"
-    if (path ~ /^boost\/multiprecision\//) return "Boost.Multiprecision"
-    if (path ~ /^(zlib|zconf)\.h$/) return "zlib"
-    if (path ~ /^xxh(ash|3)\.h$/) return "xxHash"
-    if (path == "SDL2/SDL_syswm.h") return "SDL_syswm"
-    if (path ~ /^SDL/) return "SDL2"
-    if (path == "png.h") return "libpng"
-    if (path == "microhttpd.h") return "libmicrohttpd"
-    if (path ~ /^CLI\//) return "CLI11"
-    if (path ~ /^nlohmann\//) return "nlohmann"
-    if (path ~ /^Eigen\//) return "Eigen"
-    if (path ~ /^comedi(lib)?\.h$/) return "comedilib"
+function library(called, headers, rooms) {
+    known[++libraries] = called
+    pattern[libraries] = headers
+    where[called] = rooms
+}
+
+# Of several the first.
+function library_of(path,   i) {
+    for (i = 1; i <= libraries; i++) if (path ~ pattern[i]) return known[i]
     return ""
 }
 
-function check_library(path,   library) {
+function check_library(path,   of) {
     if (path ~ /^[a-z0-9_]+$/ || path ~ /^(sys|linux|gnu|netinet|arpa)\// || listed(path, posix)) return
     if (path ~ /^[a-z0-9]*intrin\.h$/) return
-    library = library_of(path)
-    if (library == "") breach("<" path "> is of no library that the guard knows")
-    else if (!listed(room, where[library]) && !listed(room "/" folder, where[library]))
-        breach("<" path ">: " library " belongs to " where[library])
-    else if ((room "/" folder, library) in door) {
-        if (file != door[room "/" folder, library])
-            breach("<" path ">: " library " enters by " door[room "/" folder, library])
+    of = library_of(path)
+    if (of == "") breach("<" path "> is of no library that the guard knows")
+    else if (!listed(room, where[of]) && !listed(room "/" folder, where[of]))
+        breach("<" path ">: " of " belongs to " where[of])
+    else if ((room "/" folder, of) in door) {
+        if (file != door[room "/" folder, of])
+            breach("<" path ">: " of " enters by " door[room "/" folder, of])
     }
-    else if (header && library != "glm" && library != "fmt" && library != "Boost.Multiprecision" &&
+    else if (header && of != "glm" && of != "fmt" && of != "Boost.Multiprecision" &&
              path != "nlohmann/json_fwd.hpp")
-        breach("<" path ">: " library " stays out of headers")
+        breach("<" path ">: " of " stays out of headers")
 }
 
 function check_exactness(line) {

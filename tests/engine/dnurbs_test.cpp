@@ -183,23 +183,6 @@ Energy energy_of(const Dnurbs& curve, const std::vector<Vec2>& q, const std::vec
 
 }  // namespace
 
-TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 36 beta))") {
-    // Both free points move alike by q: C moves by 3 u (1 - u) q, whose derivatives are 3 (1 - 2u)
-    // q and -6 q.
-    Random random(1);
-    for (int i = 0; i < 50; ++i) {
-        DnurbsSpec spec = bow();
-        spec.alpha = random.decade(-1.0, 3.0);
-        spec.beta = random.decade(-3.0, 1.0);
-        const double q = 0.75 / (3.0 * spec.alpha + 36.0 * spec.beta);
-        const Dnurbs curve(spec);
-        const std::vector<Vec2> found = curve.equilibrium(0.5, {0.0, -1.0});
-        CHECK(relative_error(found, {{}, {0.0, -q}, {0.0, -q}, {}}) < 1e-13);
-        const Vec2 loaded = curve.point(0.5, found);
-        CHECK(loaded.y == Approx(0.0375 - 0.75 * q).epsilon(1e-13));
-    }
-}
-
 TEST_CASE(
     "a curve rests where an independent method says, whatever degree, knots, weights and load") {
     double worst_polynomial = 0.0;

@@ -231,38 +231,27 @@ TEST_CASE("in five minutes of random faults the driver never sends what it must 
     for (int i = 0; i < 10'000;) {
         const int span = 1 + random.below(200);
         BoardFaults wild;
-        switch (random.below(9)) {
-            case 0:
-                wild.silent = true;
-                break;
-            case 1:
-                wild.delay = random.decade(-4.0, -1.5);
-                break;
-            case 2:
+        const std::function<void()> befalls[]{
+            [] {},
+            [&] { wild.silent = true; },
+            [&] { wild.delay = random.decade(-4.0, -1.5); },
+            [&] {
                 wild.at_once = random.below(9);
                 wild.rest_delay = random.coin() ? 1e9 : random.decade(-4.0, -1.5);
-                break;
-            case 3:
+            },
+            [&] {
                 for (int k = random.below(20); k >= 0; --k) {
                     wild.noise.push_back(static_cast<std::uint8_t>(random.below(256)));
                 }
-                break;
-            case 4:
-                wild.wrong_id = true;
-                break;
-            case 5:
-                wild.not_finite = true;
-                break;
-            case 6:
-                bench.cable.plug(random.coin());
-                break;
-            case 7:
+            },
+            [&] { wild.wrong_id = true; },
+            [&] { wild.not_finite = true; },
+            [&] { bench.cable.plug(random.coin()); },
+            [&] {
                 bench.guard.alive = random.coin();
                 bench.guard.tripped = random.coin();
-                break;
-            default:
-                break;
-        }
+            }};
+        befalls[random.index(9)]();
         bench.board.set_faults(wild);
         for (int k = 0; k < span; ++k, ++i) {
             const Vec2 force = random.below(50) == 0

@@ -15,7 +15,8 @@ fake() {
     chmod +x "$machine/bin/$1"
 }
 
-# A machine for user ID $1 that has every package; its tree has a space in its path.
+# A machine for user ID $1 that has every package but those named behind it; its apt lists know all. Its tree has a
+# space in its path.
 new_machine() {
     machine=$scratch/machine$((count += 1))
     tree="$machine/my tree"
@@ -26,7 +27,7 @@ new_machine() {
     export machine
     : >"$machine/calls"
     printf '%s\n' $everything >"$machine/known"
-    cp "$machine/known" "$machine/installed"
+    printf '%s\n' "$@" | grep -vxFf - "$machine/known" >"$machine/installed"
     for tool in nproc sh cat sed tr dirname readlink tail mkdir flock grep touch cp chmod rm sleep; do
         ln -s "$(command -v $tool)" "$machine/bin/$tool"
     done
@@ -139,10 +140,8 @@ launch() {
     calls=$(cat "$machine/calls")
 }
 
-# The machine lacks these packages, and its apt lists know everything.
-lacking() {
-    for package in "$@"; do
-        grep -vxF "$package" "$machine/installed" >"$machine/left"
-        mv "$machine/left" "$machine/installed"
-    done
+# The same with the list of calls begun anew.
+launch_anew() {
+    : >"$machine/calls"
+    launch "$@"
 }

@@ -35,8 +35,7 @@ holds 'standard output is the program'\''s alone' [ "$out" = '<demo>' ]
 holds 'nothing is installed when nothing is missing' lacks "$calls" apt-get
 holds 'the program keeps the locale of its user' grep -q 'locale unset' "$machine/program-saw"
 holds 'and does not keep others from starting' grep -q 'lock free' "$machine/program-saw"
-: >"$machine/calls"
-launch demo
+launch_anew demo
 holds 'the second call configures nothing' lacks "$calls" preset
 holds 'the second call says nothing' [ -z "$err" ]
 holds 'the second call asks dpkg once' [ "$(grep -c dpkg-query "$machine/calls")" = 1 ]
@@ -57,14 +56,12 @@ holds 'and may pass then' [ "$code" = 0 ]
 echo 8 >"$machine/fails-alone"
 launch test
 holds 'or fails' [ "$code" = 8 ]
-: >"$machine/calls"
-launch figures -o pictures
+launch_anew figures -o pictures
 holds 'figures builds their program beside palpate' has "$calls" '--target palpate palpate_figures'
 holds 'and hands palpate the whole line' [ "$out" = '<figures>
 <-o>
 <pictures>' ]
-: >"$machine/calls"
-launch demo
+launch_anew demo
 launch test
 holds 'once asked for, the tests stay on' lacks "$calls" preset
 
@@ -79,12 +76,10 @@ holds 'with its arguments' [ "$out" = '<contact>
 <--csv>
 <a b.csv>' ]
 holds 'the exit code is the benchmark'\''s' [ "$code" = 42 ]
-: >"$machine/calls"
-launch demo
+launch_anew demo
 holds 'the program then needs no other configuration' lacks "$calls" preset
 
-new_machine 0
-lacking libsisl-dev libcgal-dev catch2
+new_machine 0 libsisl-dev libcgal-dev catch2
 launch bench scaling
 holds 'the benchmark by itself needs no peer' lacks "$err" 'not installed'
 launch bench contact --peers
@@ -93,8 +88,7 @@ holds 'peers have a tree of their own' has "$calls" \
     'cmake -DPALPATE_TESTS=OFF -DPALPATE_BENCH_PEERS=ON -B build/peers --preset release'
 holds 'and a program of their own' grep -qx "name $tree/build/peers/palpate_bench" "$machine/program-saw"
 holds 'which is said' has "$out" '<--peers>'
-: >"$machine/calls"
-launch bench contact --peers
+launch_anew bench contact --peers
 holds 'once configured, it stays so' lacks "$calls" preset
 launch demo
 holds 'the tree of the program knows nothing of peers' lacks "$calls" PEERS
@@ -103,8 +97,7 @@ holds 'what the benchmark does not know, it says itself' has "$out" '<no-such-th
 launch demo --peers
 holds 'a program'\''s word --peers is the program'\''s' grep -qx "name $tree/build/palpate" "$machine/program-saw"
 
-new_machine 1000
-lacking libsisl-dev
+new_machine 1000 libsisl-dev
 launch --no-install bench contact --peers
 holds '--no-install bench --peers: leaves with 3' [ "$code" = 3 ]
 holds 'and names the peer' has "$err" 'not installed: libsisl-dev'
@@ -124,8 +117,7 @@ holds 'no arguments stay no arguments' [ -z "$out" ]
 launch -- test
 holds 'only the first word can be the launcher'\''s' has "$out" '<test>'
 
-new_machine 0
-lacking libfmt-dev g++
+new_machine 0 libfmt-dev g++
 launch demo
 holds 'what is missing is named' has "$err" 'not installed: g++ libfmt-dev'
 holds 'root installs it, without sudo' has "$calls" "
@@ -143,8 +135,7 @@ at_terminal() { # at_terminal ANSWER
     calls=$(cat "$machine/calls")
 }
 for case in 0: 0:n 1000: 1000:n; do
-    new_machine "${case%:*}"
-    lacking libfmt-dev
+    new_machine "${case%:*}" libfmt-dev
     at_terminal "${case#*:}"
     holds 'root, or whose sudo asks nothing, is asked at a terminal' has "$out" 'install them now, as root? [Y/n]'
     if [ "${case#*:}" = n ]; then
@@ -155,15 +146,13 @@ for case in 0: 0:n 1000: 1000:n; do
         holds 'and goes on, asked once' [ "$(grep -c 'Y/n' "$machine/out")$code" = 142 ]
     fi
 done
-new_machine 1000
-lacking libfmt-dev
+new_machine 1000 libfmt-dev
 touch "$machine/sudo-asks"
 at_terminal ''
 holds 'whom sudo asks for a password is asked by nobody else' lacks "$out" 'Y/n'
 holds 'and has it installed' has "$calls" "sudo apt-get -q"
 
-new_machine 0
-lacking libfmt-dev
+new_machine 0 libfmt-dev
 cp "$machine/known" "$machine/mirror"
 : >"$machine/known"
 launch demo
@@ -172,30 +161,26 @@ $install libfmt-dev"
 holds 'before anybody is alarmed' lacks "$err" 'Unable to locate'
 holds 'and then it goes on' [ "$code" = 42 ]
 
-new_machine 1000
-lacking catch2 xvfb
+new_machine 1000 catch2 xvfb
 launch test
 holds 'others install through sudo' has "$calls" "sudo apt-get -q"
 holds 'test asks for the packages of the tests' has "$calls" "$install catch2 xvfb"
 holds 'and ctest runs' has "$calls" 'ctest --test-dir'
 
-new_machine 1000
-lacking libfmt-dev
+new_machine 1000 libfmt-dev
 rm "$machine/bin/sudo"
 launch demo
 holds 'neither root nor sudo: leaves with 3' [ "$code" = 3 ]
 holds 'and says what to run' has "$err" "$install libfmt-dev"
 holds 'and builds nothing' lacks "$calls" cmake
 
-new_machine 1000
-lacking libfmt-dev
+new_machine 1000 libfmt-dev
 touch "$machine/sudo-refuses"
 launch demo
 holds 'sudo refuses: leaves with 3' [ "$code" = 3 ]
 holds 'and says what to run by hand' has "$err" 'cmake --preset release'
 
-new_machine 1000
-lacking libfmt-dev sqlite3
+new_machine 1000 libfmt-dev sqlite3
 launch --no-install demo
 holds '--no-install: leaves with 3' [ "$code" = 3 ]
 holds 'and names what is missing' has "$err" 'not installed: libfmt-dev sqlite3'
@@ -205,14 +190,12 @@ new_machine 1000
 launch --no-install demo
 holds '--no-install goes on when nothing is missing' [ "$out" = '<demo>' ]
 
-new_machine 0
-lacking libsdl2-dev
+new_machine 0 libsdl2-dev
 sed -i 's/liboffered-dev/libsdl2-dev/' "$machine/bin/dpkg-query"
 launch demo
 holds 'a package that another one provides is not missing' lacks "$err" 'not installed'
 
-new_machine 0
-lacking libglm-dev
+new_machine 0 libglm-dev
 grep -vx libglm-dev "$machine/known" >"$machine/less" && mv "$machine/less" "$machine/known"
 launch demo
 holds 'a system whose apt does not know a package: leaves with 3' [ "$code" = 3 ]
@@ -259,8 +242,7 @@ unset here as
 new_machine 0
 launch demo
 rm "$tree/build/build.ninja"
-: >"$machine/calls"
-launch demo
+launch_anew demo
 holds 'a configuration that was cut short is made again' has "$calls" preset
 
 new_machine 0

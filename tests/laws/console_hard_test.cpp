@@ -74,38 +74,23 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
         std::string origin = browser.origin();
         std::string type = "application/json";
         std::string body = kNote;
-        switch (i % 8) {
-            case 0:
+        const std::function<void()> spoils[]{
+            [&] {
                 cookie = fmt::format("Cookie: palpate_{}={}\r\n", browser.port,
                                      text("0123456789abcdef", 40));
-                break;
-            case 1:
-                cookie = random.coin() ? "" : cookie.substr(0, cookie.size() - 3) + "\r\n";
-                break;
-            case 2:
-                origin = "Origin: " + text("htps:/127.0;[]%@ null", 30) + "\r\n";
-                break;
-            case 3:
-                origin = random.coin() ? "" : origin + origin;
-                break;
-            case 4:
-                host = text("127.0:[]localhost@/", 20);
-                break;
-            case 5:
-                method = random.coin() ? "GET /do" : text("POSTGEDUL", 6) + "x /do";
-                break;
-            case 6:
-                type = text("aplicton/jsxw-form=;", 20);
-                break;
-            default:
-                body =
-                    body.substr(
-                        0, static_cast<std::size_t>(random.below(static_cast<int>(body.size())))) +
-                    text("{}[]\":,\\", 9) + std::string(random.coin() ? 0 : 9000, ' ');
-                if (data::Json::accept(body)) {  // it came out right
-                    body += '}';
-                }
-        }
+            },
+            [&] { cookie = random.coin() ? "" : cookie.substr(0, cookie.size() - 3) + "\r\n"; },
+            [&] { origin = "Origin: " + text("htps:/127.0;[]%@ null", 30) + "\r\n"; },
+            [&] { origin = random.coin() ? "" : origin + origin; },
+            [&] { host = text("127.0:[]localhost@/", 20); },
+            [&] { method = random.coin() ? "GET /do" : text("POSTGEDUL", 6) + "x /do"; },
+            [&] { type = text("aplicton/jsxw-form=;", 20); },
+            [&] {
+                body = body.substr(0, random.index(body.size())) + text("{}[]\":,\\", 9) +
+                       std::string(random.coin() ? 0 : 9000, ' ');
+                body += data::Json::accept(body) ? "}" : "";  // it came out right
+            }};
+        spoils[i % 8]();
         const std::string answer =
             browser.ask(method + " HTTP/1.1\r\nHost: " + host + "\r\n" + cookie + origin +
                             "Content-Type: " + type +

@@ -40,51 +40,36 @@ std::string found(const TemporaryFolder& folder, FreeBoard& board, const char* h
 
 TEST_CASE("whatever is wrong with a board of three axes is found, named and left without a force",
           "[open]") {
+    // The key of the example that has another word, what is typed to the board, and what is said.
+    const auto& [key, typed, said] = GENERATE(table<std::string, Words, Words>({
+        {"motor_z",
+         {},
+         {"motor z is reversed: turn its two wires round, or write motor_z = \"backward\""}},
+        {"encoder_y", {}, {"encoder y is reversed: write encoder_y = \"backward\""}},
+        {"",
+         {"friction 0.05", "weight 0.03", "swap 1 2"},
+         {"motor x moves axis y: swap the motors' cables",
+          "motor y moves axis x: swap the motors' cables"}},
+        {"",
+         {"friction 0.05", "weight 0.03", "motor 2 0"},
+         {"nothing counts when motor y pushes by 1 N: is it connected"}},
+        {"", {"hold"}, {"no motor moves the handle by 1 N: does somebody hold it"}},
+        {"",
+         {"15,0,40"},
+         {"encoder x counts 0.63 times",
+          "All this if the handle rested at home and then at each mark: was it there"}},
+        {"", {"unplug 3"}, {"encoder z did not count on the way to (0, 0, 0) mm: is its cable in"}},
+    }));
+    CAPTURE(key, typed);
     const TemporaryFolder folder;
-    SECTION("a motor") {
-        FreeBoard board(folder, board_words(wired(folder, "motor_z")));
-        CHECK_THAT(found(folder, board),
-                   Has("motor z is reversed: turn its two wires round, or write "
-                       "motor_z = \"backward\""));
+    FreeBoard board(folder, board_words(key.empty() ? kExample : wired(folder, key)));
+    for (const std::string& line : typed) {
+        line == "hold" ? board.hold() : board.bring(line);
     }
-    SECTION("an encoder") {
-        FreeBoard board(folder, board_words(wired(folder, "encoder_y")));
-        CHECK_THAT(found(folder, board),
-                   Has("encoder y is reversed: write encoder_y = \"backward\""));
-    }
-    SECTION("motors' cables, while it rubs and weighs") {
-        FreeBoard board(folder, board_words(kExample));
-        board.bring("friction 0.05");
-        board.bring("weight 0.03");
-        board.bring("swap 1 2");
-        CHECK_THAT(found(folder, board), Has("motor x moves axis y: swap the motors' cables",
-                                             "motor y moves axis x: swap the motors' cables"));
-        board.bring("swap 1 2");
-        board.bring("motor 2 0");
-        board.bring(kAtHome);
-        CHECK_THAT(found(folder, board),
-                   Has("nothing counts when motor y pushes by 1 N: is it connected"));
-    }
-    SECTION("a hand that holds the handle, before the first mark or before the pulses") {
-        FreeBoard board(folder, board_words(kExample));
-        board.hold();
-        CHECK_THAT(found(folder, board),
-                   Has("no motor moves the handle by 1 N: does somebody hold it"));
-    }
-    SECTION("a handle that was not at home") {
-        FreeBoard board(folder, board_words(kExample));
-        board.bring("15,0,40");
-        CHECK_THAT(found(folder, board, "15,0,40"),
-                   Has("encoder x counts 0.63 times",
-                       "All this if the handle rested at home and then at each "
-                       "mark: was it there"));
-    }
-    SECTION("an encoder's cable") {
-        FreeBoard board(folder, board_words(kExample));
-        board.bring("unplug 3");
-        CHECK_THAT(found(folder, board),
-                   Has("encoder z did not count on the way to (0, 0, 0) mm: is its "
-                       "cable in"));
+    const bool elsewhere = typed == Words{"15,0,40"};  // where it rests at first
+    const std::string error = found(folder, board, elsewhere ? "15,0,40" : kAtHome);
+    for (const std::string& sentence : said) {
+        CHECK_THAT(error, Has(sentence));
     }
 }
 

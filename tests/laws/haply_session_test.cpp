@@ -2,9 +2,7 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
-#include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/scenes.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate::protocols;
@@ -26,39 +24,11 @@ protocols::Protocol two_trials() {
     return protocol;
 }
 
-struct Kept : protocols::Recorder {
-    struct Trial {
-        protocols::Condition condition;
-        std::vector<engine::TickRecord> ticks;
-        protocols::TrialResult result;
-    };
-    std::vector<Trial> trials;
-    Words events;
-    bool finished = false;
-
-    TrialId begin_trial(const protocols::PlannedTrial& planned) override {
-        trials.push_back({.condition = planned.condition, .ticks = {}, .result = {}});
-        return static_cast<TrialId>(trials.size()) - 1;
-    }
-    void append(TrialId id, std::span<const engine::TickRecord> ticks) override {
-        auto& all = trials[static_cast<std::size_t>(id)].ticks;
-        all.insert(all.end(), ticks.begin(), ticks.end());
-    }
-    void end_trial(TrialId id, const protocols::TrialResult& result) override {
-        trials[static_cast<std::size_t>(id)].result = result;
-    }
-    void event(const protocols::Event& event) override { events.emplace_back(event.text); }
-    void finish_session() override { finished = true; }
-};
-
 /// A simulated observer who pulls the plug once, while a force is felt, and puts it in again.
 class Clumsy : public protocols::SimulatedObserver {
 public:
-    Clumsy(const protocols::Protocol& protocol,
-           const data::SessionSpec& spec,
-           protocols::EmulatedHaplyApparatus& apparatus,
-           bool clumsy)
-        : SimulatedObserver(protocol,
+    Clumsy(const data::SessionSpec& spec, protocols::EmulatedHaplyApparatus& apparatus, bool clumsy)
+        : SimulatedObserver(spec.protocol,
                             session_stream(spec),
                             spec.plan.picture_order,
                             [&apparatus] { return apparatus.hand_is_done(); }),
@@ -86,40 +56,27 @@ private:
     bool pulls_;
 };
 
-/// Ticks whose force does not come back to the bit from the recorded HIP.
-int wrong_forces(const protocols::Protocol& protocol, const Kept::Trial& trial) {
-    const engine::Scene scene = protocols::make_scene(protocol, trial.condition);
-    engine::ContactState state;
-    int wrong = 0;
-    for (const engine::TickRecord& tick : trial.ticks) {
-        const engine::Contact contact = scene.tick(state, engine::Vec2(tick.hip));
-        wrong += std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0 ? 0 : 1;
-    }
-    return wrong;
-}
-
 }  // namespace
 
 TEST_CASE(
     "a session over an emulated board ends with motors at zero, and goes on after an unplugging",
     "[haply]") {
     EACH(unplugged, false, true);
-    const TemporaryFile file("board");
-    const protocols::Protocol protocol = two_trials();
-    const data::SessionSpec spec = session_spec(protocol);
+    SmallSession session(two_trials());
+    const data::SessionSpec& spec = session.spec;
     protocols::EmulatedHaplyApparatus apparatus(
-        protocol, protocols::DrawnHand(protocol, spec.protocol_hash, spec.key, spec.seed),
-        protocols::load_calibration("2diy_gen3"), 0.0, file);
-    Clumsy observer(protocol, spec, apparatus, unplugged);
-    Kept kept;
+        spec.protocol, protocols::DrawnHand(spec.protocol, spec.protocol_hash, spec.key, spec.seed),
+        protocols::load_calibration("2diy_gen3"), 0.0, session.folder.file("board"));
+    Clumsy observer(spec, apparatus, unplugged);
     const auto end = protocols::run_session(
-        protocol, spec.plan,
+        spec.protocol, spec.plan,
         {.title = {}, .participant = {}, .trials = spec.plan.trials.size(), .device = {}},
-        protocols::SessionProgress(protocol, spec.plan, {}),
-        {.apparatus = apparatus, .observer = observer, .recorder = kept});
-    CAPTURE(observer.sentences, kept.events);
+        session.progress,
+        {.apparatus = apparatus, .observer = observer, .recorder = session.recorder});
+    data::Database& file = session.database;
+    CAPTURE(observer.sentences, lines(file, "SELECT text FROM event"));
     REQUIRE(end.why == protocols::SessionEnd::Why::finished);
-    CHECK(kept.finished);
+    CHECK(count(file, "session WHERE finished") == 1);
 
     const engine::BoardLog log = apparatus.board().journal();
     CHECK(apparatus.board().motors().off());
@@ -129,36 +86,23 @@ TEST_CASE(
     CHECK(log.unknown == 0);
     CHECK(log.setups >= (unplugged ? 2 : 1));
 
+    const data::Verification found = data::verify(file);
+    CHECK(text_of(found, false) == "");  // every force comes back to the bit from the recorded HIP
+    CHECK(found.sessions.at(0).replayed > 1000);
+    CHECK(count(file, "trial WHERE outcome = 'complete'") == 2);
+    CHECK(count(file,
+                "trial WHERE contact_ticks > 0 AND max_normal_force_n > 0.1 AND outcome = "
+                "'complete'") == 2);
     // A machine under load may fault a trial more: it is kept and run again like the unplugged one.
-    REQUIRE(kept.trials.size() >= (unplugged ? 3 : 2));
-    std::size_t complete = 0;
-    for (std::size_t i = 0; i < kept.trials.size(); ++i) {
-        const Kept::Trial& trial = kept.trials[i];
-        CAPTURE(i, trial.ticks.size());
-        CHECK(wrong_forces(protocol, trial) == 0);
-        if (trial.result.outcome == Outcome::faulted) {
-            REQUIRE(trial.result.fault);
-            CHECK(trial.result.fault->cause != engine::Trip::none);
-            CHECK_FALSE(trial.result.fault->last.empty());
-            continue;
-        }
-        ++complete;
-        CHECK(trial.result.outcome == Outcome::complete);
-        CHECK(trial.result.summary.contact_ticks > 0);
-        CHECK(trial.result.summary.max_normal_force_n > 0.1);
-    }
-    CHECK(complete == 2);
+    CHECK(count(file, "trial WHERE outcome NOT IN ('complete', 'faulted')") == 0);
+    CHECK(count(file,
+                "trial WHERE outcome = 'faulted' AND (fault_cause = 'none' OR trial_id NOT "
+                "IN (SELECT trial_id FROM fault_tick))") == 0);
     if (unplugged) {
         CHECK_FALSE(observer.sentences.empty());
-        const auto lost = std::find_if(kept.trials.begin(), kept.trials.end(), [](const auto& one) {
-            return one.result.fault && one.result.fault->cause == engine::Trip::device_lost;
-        });
-        REQUIRE(lost != kept.trials.end());
-        CHECK(std::any_of(lost + 1, kept.trials.end(), [&](const auto& one) {  // run again
-            return one.condition == lost->condition && one.result.outcome == Outcome::complete;
-        }));
-        CHECK(std::any_of(kept.events.begin(), kept.events.end(), [](const std::string& text) {
-            return text.starts_with("the device works");
-        }));
+        CHECK(count(file,
+                    "trial AS lost JOIN trial AS again USING (plan_position) WHERE "
+                    "lost.fault_cause = 'device_lost' AND again.outcome = 'complete'") >= 1);
+        CHECK(count(file, "event WHERE text LIKE 'the device works%'") >= 1);
     }
 }

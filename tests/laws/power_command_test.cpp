@@ -90,9 +90,3 @@ TEST_CASE("palpate stats names the protocol's primary test first") {
                Has("on - off "));
     CHECK(json_of(stats)["primary_test"] == "sign_flip");
 }
-
-TEST_CASE("palpate power refuses a primary test that there is not") {
-    const TemporaryFile file("bad.toml");
-    write(file, slurp(kFourTrials) + "\n[analysis]\nprimary = \"t\"\n");
-    refused({"power", file, "--effect", "-1"}, "primary is \"t\"");
-}

@@ -1,6 +1,3 @@
-#include "engine/realtime/felt_scene.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
@@ -33,46 +30,6 @@ std::string demo_hash(const std::string& file, const std::string& seed) {
 }
 
 }  // namespace
-
-TEST_CASE("every recorded force comes back to the bit from the database alone") {
-    EACH(space, false, true);
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    ran(run(study_in(folder, space), file, "sim"));
-    data::Database database(file, data::Access::read);
-    auto text = database.first("SELECT protocol_toml FROM study");
-    const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
-    auto trial = database.prepare(
-        "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
-    int replayed = 0;
-    while (trial.step()) {
-        const auto named = [](const auto& list, const std::string& name) {
-            return *std::ranges::find_if(list, [&](const auto& one) { return one.name == name; });
-        };
-        engine::FeltScene scene = protocols::make_felt_scene(
-            protocol, {.object = named(protocol.objects, trial.text(1)),
-                       .friction = named(protocol.frictions, trial.text(2))});
-        scene.restore_decay({trial.real(3), trial.real(4)});
-        engine::FeltState state;
-        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
-            const auto check = [&](const auto& contact) {
-                REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0);
-                REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof contact.go) == 0);
-                REQUIRE(contact.mu == tick.mu);
-                REQUIRE(contact.mode == tick.mode);
-            };
-            if (space) {
-                const auto contact = scene.space()->tick(state.space, tick.hip);
-                check(contact);
-                REQUIRE(contact.go_v == tick.v);
-            } else {
-                check(scene.plane()->tick(state.plane, engine::Vec2(tick.hip)));
-            }
-            ++replayed;
-        }
-    }
-    CHECK(replayed > 40'000);
-}
 
 TEST_CASE("a session on a replayed hand feels and answers as the recorded one") {
     EACH(space, false, true);

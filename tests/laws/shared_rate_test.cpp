@@ -139,10 +139,3 @@ TEST_CASE("a rate that is shared with no other condition is free") {
     CHECK(shared["curves"][0]["threshold"]["bootstrap_95"][0].get<double>() ==
           Approx(ends[0].get<double>()).epsilon(1e-4));
 }
-
-TEST_CASE("a guess rate and a lapse rate that are both shared are refused") {
-    const TemporaryFile file("d.csv");
-    write(file, kGuessing);
-    CHECK_THAT(ran({"fit", file, "--guess", "shared", "--lapse", "shared"}, 2).error,
-               Has("give one of them as free or as a number"));
-}

@@ -1,5 +1,4 @@
 #include "protocols/library/shipped.hpp"
-#include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/short_text.hpp"
@@ -118,39 +117,22 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
 
 TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick") {
     const RunFile file("shape_friction");
-    data::Database database(file, data::Access::read);
-    CHECK(lines(database,
-                "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial "
-                "WHERE counts AND phase = 'main' GROUP BY planned_object, friction)") ==
-          "10 10 10 \n");
-    CHECK(lines(database,
-                "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE "
-                "counts") == "10 4 \n");
-
-    auto trial = database.prepare("SELECT trial_id, friction FROM analysis_trial WHERE counts");
-    int outside = 0;
-    int inside = 0;
-    int unlawful = 0;
-    double excess = -1.0;
-    double highest_mu = 0.0;
-    while (trial.step()) {
-        const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
-        for (const engine::TickRecord& tick : data::TraceReader(database).read(trial.integer(0))) {
-            if (tick.mode == engine::Mode::free) {
-                ++outside;
-                unlawful += tick.force == engine::Vec3{} && tick.command == engine::Vec3{} ? 0 : 1;
-                continue;
-            }
-            ++inside;
-            excess = std::max(excess, std::fabs(tick.tangential_force) - mu_s * tick.normal_force);
-            highest_mu = std::max(highest_mu, tick.mu);
-            const bool within = glm::length(tick.command) <= 10.0 * (1.0 + 1e-12);
-            unlawful += tick.normal_force >= 0.0 && within ? 0 : 1;
-        }
-    }
-    CHECK(unlawful == 0);
-    CHECK(outside > 10'000);
-    CHECK(inside > 10'000);
-    CHECK(excess <= 1e-9);
-    CHECK(highest_mu <= 0.7);
+    CHECK(sql_row(file,
+                  "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial "
+                  "WHERE counts AND phase = 'main' GROUP BY planned_object, friction)") ==
+          "10,10,10");
+    CHECK(sql_row(file,
+                  "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE "
+                  "counts") == "10,4");
+    // Ticks outside and inside; those with a force outside, and with a pull or more than 10 N
+    // inside; the most beyond the cone, and the highest mu.
+    CHECK(sql_row(file,
+                  "SELECT sum(outside) > 10000, sum(NOT outside) > 10000, sum(outside AND "
+                  "(rendered_x_n <> 0 OR rendered_y_n <> 0 OR commanded_x_n <> 0 OR commanded_y_n "
+                  "<> 0)), sum(NOT outside AND (rendered_normal_n < 0 OR commanded_x_n * "
+                  "commanded_x_n + commanded_y_n * commanded_y_n > 100 + 1e-9)), max(iif(outside, "
+                  "-1, abs(rendered_tangential_n) - iif(friction = 'on', 0.7, 0) * "
+                  "rendered_normal_n)) <= 1e-9, max(iif(outside, 0, mu)) <= 0.7 FROM (SELECT *, "
+                  "mode = 'free' AS outside FROM sample JOIN analysis_trial USING (trial_id) WHERE "
+                  "counts)") == "1,1,0,0,1,1");
 }

@@ -89,13 +89,32 @@ private:
     ui::SubjectScreen screen_;
 };
 
-struct Forgetful : protocols::Recorder {
-    TrialId begin_trial(const PlannedTrial& planned) override {
-        conditions.insert(planned.condition);
-        return 1;
-    }
-    std::set<Condition> conditions;
-};
+/// The conditions of a session, which comes to its end.
+std::set<Condition> conditions_felt(const Protocol& protocol,
+                                    const Plan& plan,
+                                    Apparatus& apparatus,
+                                    Observer& observer) {
+    struct Forgetful : protocols::Recorder {
+        TrialId begin_trial(const PlannedTrial& planned) override {
+            conditions.insert(planned.condition);
+            return 1;
+        }
+        std::set<Condition> conditions;
+    } recorder;
+    const SessionEnd end = run_session(
+        protocol, plan, {}, SessionProgress(protocol, plan, {}),
+        {.apparatus = apparatus, .observer = observer, .recorder = recorder, .pause = [](double) {
+         }});
+    CHECK(end.why == SessionEnd::Why::finished);
+    return recorder.conditions;
+}
+
+/// The same of a short session.
+std::size_t conditions_felt(World world, Observer& observer) {
+    const Protocol protocol = short_protocol();
+    FaultyApparatus apparatus(world);
+    return conditions_felt(protocol, plan_of(protocol), apparatus, observer).size();
+}
 
 }  // namespace
 
@@ -111,11 +130,7 @@ TEST_CASE(
     const Plan plan = make_plan(protocol, hash, key, protocol.seed);
     SimulatedApparatus apparatus(protocol, DrawnHand(protocol, hash, key, protocol.seed));
     WatchedScreen screen;
-    Forgetful recorder;
-    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
-                                       {apparatus, screen, recorder});
-    CHECK(end.why == SessionEnd::Why::finished);
-    CHECK(recorder.conditions.size() == 10);
+    CHECK(conditions_felt(protocol, plan, apparatus, screen).size() == 10);
     CHECK(screen.frames_ >= 100);
     CHECK(screen.shown_.size() == 1);
     // The test sees differences where there are some: the pictures of the choice.
@@ -169,18 +184,8 @@ TEST_CASE(
     };
     const bool dead_man = GENERATE(false, true);
     draw_into_memory();
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
-    World world{.fault_share = 1.0, .max_faults = 1, .away = 1};
-    FaultyApparatus apparatus(world);
     Shaken screen(dead_man);
-    Forgetful recorder;
-    const SessionEnd end = run_session(
-        protocol, plan, {}, SessionProgress(protocol, plan, {}),
-        {.apparatus = apparatus, .observer = screen, .recorder = recorder, .pause = [](double) {
-         }});
-    CHECK(end.why == SessionEnd::Why::finished);
-    CHECK(recorder.conditions.size() >= 6);
+    CHECK(conditions_felt({.fault_share = 1.0, .max_faults = 1, .away = 1}, screen) >= 6);
     CHECK(screen.explored.size() == 1);
     CHECK(screen.waiting.size() == 1);
     CHECK(screen.solved.size() == 1);
@@ -258,16 +263,8 @@ TEST_CASE(
         ui::SubjectScreen screen_;
     };
     draw_into_memory();
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
-    World world;
-    FaultyApparatus apparatus(world);
     TwoIntervals screen;
-    Forgetful recorder;
-    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
-                                       {apparatus, screen, recorder});
-    CHECK(end.why == SessionEnd::Why::finished);
-    CHECK(recorder.conditions.size() >= 6);
+    CHECK(conditions_felt({}, screen) >= 6);
     std::set<std::string> all;
     for (const auto& [name, pictures] : screen.seen) {
         CAPTURE(name);

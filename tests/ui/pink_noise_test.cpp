@@ -1,4 +1,4 @@
-#include <complex>
+#include <unsupported/Eigen/FFT>
 
 #include "ui/sound/faded_noise.hpp"
 #include "tests/support/catch.hpp"
@@ -7,114 +7,66 @@ using namespace palpate::ui;
 
 namespace {
 
-using Complex = std::complex<double>;
+constexpr Eigen::Index kPiece = 32768;
+constexpr int kPieces = 48;  // the 50 Hz third has a standard deviation of about 0.27 dB then
 
-/// Cooley and Tukey's, in place. @pre a power of two
-void fourier(std::vector<Complex>& x) {
-    const std::size_t n = x.size();
-    for (std::size_t i = 1, j = 0; i < n; ++i) {
-        std::size_t bit = n >> 1U;
-        for (; (j & bit) != 0; bit >>= 1U) {
-            j ^= bit;
-        }
-        j ^= bit;
-        if (i < j) {
-            std::swap(x[i], x[j]);
-        }
-    }
-    for (std::size_t length = 2; length <= n; length *= 2) {
-        const Complex root = std::polar(1.0, -2.0 * M_PI / static_cast<double>(length));
-        for (std::size_t i = 0; i < n; i += length) {
-            Complex w = 1.0;
-            for (std::size_t k = 0; k < length / 2; ++k, w *= root) {
-                const Complex even = x[i + k];
-                const Complex odd = w * x[i + k + length / 2];
-                x[i + k] = even + odd;
-                x[i + k + length / 2] = even - odd;
-            }
-        }
-    }
-}
+/// log2 of the middles of thirds of octaves, 49.6 Hz to 10.08 kHz, over 1 kHz.
+const Eigen::ArrayXd kOctaves = Eigen::ArrayXd::LinSpaced(24, -13.0 / 3.0, 10.0 / 3.0);
 
-/// Mean power of each bin over `pieces` pieces of `n` samples (Welch 1967, Hann's window, no
-/// overlap).
+/// Mean power of each bin over so many pieces (Welch 1967, Hann's window, no overlap).
 template <class Next>
-std::vector<double> spectrum(Next&& next, std::size_t n, int pieces) {
-    std::vector<double> power(n / 2, 0.0);
-    std::vector<Complex> piece(n);
+Eigen::ArrayXd spectrum(Next&& next, int pieces) {
+    Eigen::FFT<double> fourier;
+    Eigen::ArrayXd power = Eigen::ArrayXd::Zero(kPiece / 2);
+    Eigen::VectorXd piece(kPiece);
+    Eigen::VectorXcd bins;
     for (int p = 0; p < pieces; ++p) {
-        for (std::size_t i = 0; i < n; ++i) {
-            const double hann =
-                0.5 - 0.5 * std::cos(2.0 * M_PI * static_cast<double>(i) / static_cast<double>(n));
-            piece[i] = hann * next();
+        for (Eigen::Index i = 0; i < kPiece; ++i) {
+            piece[i] =
+                (0.5 - 0.5 * std::cos(2.0 * M_PI * static_cast<double>(i) / kPiece)) * next();
         }
-        fourier(piece);
-        for (std::size_t k = 0; k < n / 2; ++k) {
-            power[k] += std::norm(piece[k]);
-        }
+        fourier.fwd(bins, piece);
+        power += bins.head(kPiece / 2).array().abs2();
     }
     return power;
 }
 
-struct Band {
-    double octave = 0.0;  ///< log2 of its middle over 1 kHz
-    double level = 0.0;   ///< dB, of power per hertz against 1/f: 0 for pink noise
-};
-
-/// Thirds of octaves from 50 Hz to 10 kHz, their mean level made 0.
-std::vector<Band> thirds(const std::vector<double>& power, double hz_per_bin) {
-    std::vector<Band> bands;
-    double mean = 0.0;
-    for (int third = -13; third <= 10; ++third) {  // 49.6 Hz ... 10.08 kHz
-        const double middle = 1000.0 * std::pow(2.0, third / 3.0);
+/// dB of the power per hertz against 1/f in each third, their mean made 0: all 0 for pink noise.
+Eigen::ArrayXd thirds(const Eigen::ArrayXd& power, double rate) {
+    Eigen::ArrayXd levels(kOctaves.size());
+    for (Eigen::Index third = 0; third < levels.size(); ++third) {
+        const double middle = 1000.0 * std::exp2(kOctaves[third]);
         double found = 0.0;
         double pink = 0.0;
-        for (std::size_t k = 1; k < power.size(); ++k) {
-            const double f = hz_per_bin * static_cast<double>(k);
-            if (f >= middle * std::pow(2.0, -1.0 / 6.0) && f < middle * std::pow(2.0, 1.0 / 6.0)) {
+        for (Eigen::Index k = 1; k < power.size(); ++k) {
+            const double f = rate / kPiece * static_cast<double>(k);
+            if (f >= middle * std::exp2(-1.0 / 6.0) && f < middle * std::exp2(1.0 / 6.0)) {
                 found += power[k];
                 pink += 1.0 / f;
             }
         }
-        bands.push_back({third / 3.0, 10.0 * std::log10(found / pink)});
-        mean += bands.back().level;
+        levels[third] = 10.0 * std::log10(found / pink);
     }
-    for (Band& band : bands) {
-        band.level -= mean / static_cast<double>(bands.size());
-    }
-    return bands;
+    return levels - levels.mean();
 }
 
 /// dB an octave by least squares, 0 for pink noise.
-double tilt(const std::vector<Band>& bands) {
-    double xy = 0.0;
-    double xx = 0.0;
-    double x_mean = 0.0;
-    for (const Band& band : bands) {
-        x_mean += band.octave / static_cast<double>(bands.size());
-    }
-    for (const Band& band : bands) {
-        xy += (band.octave - x_mean) * band.level;
-        xx += (band.octave - x_mean) * (band.octave - x_mean);
-    }
-    return xy / xx;
+double tilt(const Eigen::ArrayXd& levels) {
+    const Eigen::ArrayXd x = kOctaves - kOctaves.mean();
+    return (x * levels).sum() / x.square().sum();
 }
-
-constexpr std::size_t kPiece = 32768;
-constexpr int kPieces = 48;  // the 50 Hz third has a standard deviation of about 0.27 dB then
 
 }  // namespace
 
 TEST_CASE("pink noise loses 3 dB an octave within 1 dB from 50 Hz to 10 kHz, at every rate") {
     EACH(rate, 44100.0, 48000.0, 96000.0);
     PinkNoise noise(Pcg32(20260114, 7), rate);
-    const auto bands = thirds(spectrum([&] { return noise.next(); }, kPiece, kPieces),
-                              rate / static_cast<double>(kPiece));
-    for (const Band& band : bands) {
-        CAPTURE(1000.0 * std::pow(2.0, band.octave), band.level);
-        CHECK(std::fabs(band.level) <= 1.0);
+    const Eigen::ArrayXd levels = thirds(spectrum([&] { return noise.next(); }, kPieces), rate);
+    for (Eigen::Index third = 0; third < levels.size(); ++third) {
+        CAPTURE(1000.0 * std::exp2(kOctaves[third]), levels[third]);
+        CHECK(std::fabs(levels[third]) <= 1.0);
     }
-    CHECK(std::fabs(tilt(bands)) <= 0.06);
+    CHECK(std::fabs(tilt(levels)) <= 0.06);
 }
 
 TEST_CASE("the spectrum test tells pink noise from white and from brown") {
@@ -122,12 +74,12 @@ TEST_CASE("the spectrum test tells pink noise from white and from brown") {
     const auto white = [&] {
         return static_cast<double>(random.next()) / 2147483648.0 - 1.0;
     };
-    CHECK(tilt(thirds(spectrum(white, kPiece, 8), 48000.0 / kPiece)) > 2.8);
+    CHECK(tilt(thirds(spectrum(white, 8), 48000.0)) > 2.8);
     double sum = 0.0;
     const auto brown = [&] {
         return sum = 0.9999 * sum + white();
     };
-    CHECK(tilt(thirds(spectrum(brown, kPiece, 8), 48000.0 / kPiece)) < -2.5);
+    CHECK(tilt(thirds(spectrum(brown, 8), 48000.0)) < -2.5);
 }
 
 TEST_CASE("pink noise has mean square 1 and nearly Gaussian peaks, one seed one noise") {
