@@ -220,7 +220,7 @@ private:
         const Signal signal = waiting([&] { return ports_.observer.pause(next_); });
         ports_.paused(false);
         const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
-        if (signal == Signal::go_on) {
+        if (signal == Signal::go_on && !wants_stop()) {
             happened({.kind = EventKind::go_on,
                       .text = fmt::format("after a pause of {:.1f} s", paused),
                       .duration_s = paused});

@@ -303,12 +303,9 @@ std::string LiveBoard::text() const {
 }
 
 void LiveBoard::add_device(data::Json& state) const {
-    // Whoever lets go ends the exploration.
-    const auto dead_man = protocol_.safety.dead_man && facts_.gives_force
-                            ? std::optional(phase_ == SessionStep::explore)
-                            : std::nullopt;
     state["device"] = all_->device;
-    state["device"]["dead_man"] = json_or_null(dead_man);
+    state["device"]["dead_man"] =  // who lets go ends the exploration
+        protocol_.safety.dead_man && facts_.gives_force && phase_ == SessionStep::explore;
     state["masking"] = facts_.masking_db
                          ? data::Json{{"on", masked_}, {"level_db", *facts_.masking_db}}
                          : data::Json(nullptr);

@@ -148,7 +148,7 @@
       ['Round trip', is(d.round_trip_us) ? Math.round(d.round_trip_us) + ' µs' : 'not measured'],
       ['Rig check', d.check || none],
       ['Watchdog', d.watchdog || none],
-      ['Dead-man key', !is(d.dead_man) ? 'not needed' : d.dead_man ? 'held' : 'not held']
+      ['Dead-man key', d.dead_man ? 'held' : 'not needed now']
     ]);
   }
 
@@ -245,8 +245,8 @@
     }));
     const newtons = live && is(live.f) ? Math.hypot(live.f[0], live.f[1]) : 0;
     const mm = p => is(p) ? (1000 * p[0]).toFixed(1) + ', ' + (1000 * p[1]).toFixed(1) + ' mm' : 'none';
-    put($('scene-text'), !live || !is(live.hip) ? 'No hand was seen yet.'
-      : 'Disc: hand (HIP) at ' + mm(live.hip) + '. Square: god-object at ' + mm(live.go) + '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
+    put($('scene-text'), (gone() ? 'As it was last heard. ' : '') + (!live || !is(live.hip) ? 'No hand was seen yet.'
+      : 'Disc: hand (HIP) at ' + mm(live.hip) + '. Square: god-object at ' + mm(live.go) + '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.'));
     draw();
   }
 
@@ -605,7 +605,9 @@
     const words = (asked ? ['shown=1'] : []).concat(document.hidden ? ['still=1'] : []);
     source = new EventSource('/stream' + (words.length > 0 ? '?' + words.join('&') : ''));
     source.addEventListener('state', event => {
+      const silent = state !== null && is(state.silent_s);
       state = heard(event);
+      if (silent && !is(state.silent_s)) say(true, '');
       stateAt = seconds();
       show();
     });

@@ -1,7 +1,7 @@
 'use strict';
 {
   const $ = id => document.getElementById(id);
-  const UNKNOWN = 'no answer: hands off the handle, use the switch of the motors; Enter at the terminal of palpate preview stops it, too';
+  const UNKNOWN = 'no answer: hands off the handle, use the switch of the motors';
   const picture = (name, version, words) => {
     const figure = document.createElement('figure');
     const image = document.createElement('img');
@@ -23,19 +23,20 @@
       picture(name, drawn.version, name.replace(/\.png$/, '').replaceAll('_', ' '))));
     $('objects').replaceChildren(...(drawn.objects ? [picture(drawn.objects, drawn.version, 'the objects')] : []));
   };
+  let said = '';
   const ask = async what => {
     try {
       const answer = await fetch('/do', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(what),
         signal: AbortSignal.timeout(3000) });
       const { ok, text } = await answer.json();
-      if (!ok) $('felt-said').textContent = text;
+      if (!ok) $('felt-said').textContent = `${said}; not done: ${text}`;
     } catch (e) {
       $('felt-said').textContent = UNKNOWN;
     }
   };
   const feel = felt => {
     $('felt').hidden = false;
-    $('felt-said').textContent = felt.said || `One stimulus at a time, on ${felt.device}; nothing is kept.`;
+    $('felt-said').textContent = said = felt.said || `One stimulus at a time, on ${felt.device}; nothing is kept.`;
     $('felt-all').replaceChildren(...felt.stimuli.map((name, at) => {
       const button = document.createElement('button');
       button.type = 'button';
