@@ -272,5 +272,7 @@ TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on"
     session.wait_for_screen("pause");
     stopped();
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'stop'") == "2");
+    CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'go on' AND text LIKE "
+                      "'after a pause%'") == "0");
     CHECK(session.program().ended_by(SIGTERM) == 3);
 }
