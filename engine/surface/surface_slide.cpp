@@ -51,7 +51,7 @@ struct Slider {
                 break;
             }
             singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet, size_));
-            if (at.way == Way::open && ground_.mu() > 0.0 && !lost_ && flows(at, slid)) {
+            if (at.way == Way::open && !lost_ && follows(at.spot) && flows(at, slid)) {
                 continue;
             }
             const SurfaceSpot next = advance(at);
@@ -77,6 +77,16 @@ struct Slider {
 
     static bool ends(Way way) noexcept {
         return way == Way::rests || way == Way::held || way == Way::over;
+    }
+
+    /// Without friction all ways lead to the foot, and steps lead there soonest; but where a budget
+    /// may end on the way, its end lies on the flow, whatever the patches.
+    [[nodiscard]] bool follows(const SurfaceSpot& s) const noexcept {
+        if (ground_.mu() > 0.0 || !slew_.limited()) {
+            return ground_.mu() > 0.0;
+        }
+        const SurfaceSteps steps(s, size_);
+        return !steps.bowl() || !(steps.to(0.0).length <= 0.5 * (slew_.budget - slew_.used));
     }
 
     /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in
