@@ -10,6 +10,11 @@ namespace {
 /// singular.
 constexpr double kSingular = 1e-7;
 
+/// Way per step where it ends, m.
+double speed(const SurfaceStep& step, const SurfaceSpot& end) noexcept {
+    return glm::length(step.du * end.jet.du + step.dv * end.jet.dv);
+}
+
 }  // namespace
 
 bool singular(const SurfaceJet& j, double size) noexcept {
@@ -41,6 +46,27 @@ SurfaceStep step_of(const Footing& at, const SurfaceSteps& steps, double length)
     return on && steps.fall(edge) > steps.fall(straight) ? edge : straight;
 }
 
+double first_length(const Footing& at,
+                    const SurfaceSteps& steps,
+                    double mu,
+                    double last,
+                    double last_excess) noexcept {
+    const SurfaceSpot& s = at.spot;
+    const bool into = at.way == Footing::Way::open;
+    if (into && steps.bowl() && s.cone <= 0.1 * s.length) {
+        return steps.to(s.cone).length;
+    }
+    const double whole = at.excess + 0.5 * s.rounding;
+    const bool slow = at.excess > 0.5 * last_excess;
+    const Vec2 way = into                            ? SurfaceGround::parameters(s.jet, s.along)
+                   : at.way == Footing::Way::along_u ? Vec2{1.0, 0.0}
+                                                     : Vec2{0.0, 1.0};
+    const double bend = normal_curvature(s.jet, s.normal, way.x, way.y);
+    const double reach = s.load + (s.load > 0.0 ? mu * s.length : 0.0);
+    const double rate = std::max(1.0 - bend * reach, into && steps.bowl() ? 1e-3 : 0.25);
+    return std::max(whole / rate, slow ? 2.0 * last : 0.0);
+}
+
 SurfaceStep cut(const SurfaceSpot& s, SurfaceStep step) noexcept {
     step.du = leaves(s.place.u, step.du) ? 0.0 : step.du;  // by rounding
     step.dv = leaves(s.place.v, step.dv) ? 0.0 : step.dv;
@@ -54,6 +80,25 @@ SurfaceStep cut(const SurfaceSpot& s, SurfaceStep step) noexcept {
 
 bool still(const SurfaceStep& step) noexcept {
     return std::fabs(step.du) < 0.25 * kEpsilon && std::fabs(step.dv) < 0.25 * kEpsilon;
+}
+
+double edge_way(const SurfaceSpot& a, const SurfaceSpot& b) noexcept {
+    const SurfaceStep step{.du = b.place.u - a.place.u, .dv = b.place.v - a.place.v};
+    const auto rise = [&step](const SurfaceJet& j) {
+        const Vec3 way = step.du * j.du + step.dv * j.dv;
+        const double length = glm::length(way);
+        const Vec3 bend = step.du * step.du * j.duu + step.dv * step.dv * j.dvv;
+        return length > 0.0 ? glm::dot(way, bend) / length : 0.0;
+    };
+    return 0.5 * (speed(step, a) + speed(step, b)) + (rise(a.jet) - rise(b.jet)) / 12.0;
+}
+
+double paid(const Footing& at,
+            const SurfaceStep& step,
+            const SurfaceSpot& end,
+            double rest) noexcept {
+    const double beyond = at.way == Footing::Way::open ? 0.0 : edge_way(at.spot, end) - rest;
+    return beyond > 1e-9 * rest ? std::max(1.0 - beyond / speed(step, end), 0.25) : 1.0;
 }
 
 double ahead(const SurfaceStep& step, const SurfaceSpot& s) noexcept {

@@ -35,6 +35,8 @@ public:
     [[nodiscard]] bool ridge() const noexcept { return low_ < 0.0 && c_low_ == 0.0; }
     /// In a bowl: the step after which the stretch along the surface is `rest` m, >= 0.
     [[nodiscard]] SurfaceStep to(double rest) const noexcept;
+    /// Length of the step to the foot, m; without bound where there is none.
+    [[nodiscard]] double reach() const noexcept { return bowl() ? to(0.0).length : 1e300; }
     /// Straight along the stretch, and not beyond the lowest place on that way.
     [[nodiscard]] SurfaceStep straight(double length) const noexcept;
     /// With v (or u) kept.
@@ -85,10 +87,25 @@ private:
 [[nodiscard]] SurfaceStep step_of(const Footing& at,
                                   const SurfaceSteps& steps,
                                   double length) noexcept;
+/// The length of the first step to try, m: to the foot or close to it where the cone is narrow,
+/// else Newton's on the excess along the stretch, and further where the last one fell short.
+/// @param last  length of the last step, m; @param last_excess  before it, m
+[[nodiscard]] double first_length(const Footing& at,
+                                  const SurfaceSteps& steps,
+                                  double mu,
+                                  double last,
+                                  double last_excess) noexcept;
 /// A step ends on the edge of its patch.
 [[nodiscard]] SurfaceStep cut(const SurfaceSpot& s, SurfaceStep step) noexcept;
 /// Below the last bits of the parameters.
 [[nodiscard]] bool still(const SurfaceStep& step) noexcept;
+/// Length of the edge between two spots on it, m: the trapezium's with its correction, of order 4.
+[[nodiscard]] double edge_way(const SurfaceSpot& a, const SurfaceSpot& b) noexcept;
+/// The share of a step that a budget of `rest` m pays, nearly: along an edge the speed changes.
+[[nodiscard]] double paid(const Footing& at,
+                          const SurfaceStep& step,
+                          const SurfaceSpot& end,
+                          double rest) noexcept;
 /// Part of the stretch along the way of `step`, m.
 [[nodiscard]] double ahead(const SurfaceStep& step, const SurfaceSpot& s) noexcept;
 /// Excess over the cone, m; along an edge only that of the part along it.

@@ -10,6 +10,7 @@ namespace {
 
 /// Of a step, as a share of the stretch or of the size.
 constexpr double kFlowError = 2e-11;
+constexpr double kBudgetError = 1e-8;  ///< without friction, where a budget alone ends the flow
 /// A flow that asks for steps that are shorter than this, of the size, has no direction to speak
 /// of.
 constexpr double kMin = 1e-8;
@@ -303,7 +304,8 @@ bool SurfaceFlow::meets_cone(
 SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) noexcept {
     const double size = ground_.surface().size();
     place_ = from.place;
-    tolerance_ = std::max(kFlowError * std::min(std::sqrt(from.r2), size), from.noise);
+    const double error = ground_.mu() > 0.0 ? kFlowError : kBudgetError;
+    tolerance_ = std::max(error * std::min(std::sqrt(from.r2), size), from.noise);
     least_ = kMin * size;
     noise_ = from.noise;
     rounding_ = from.rounding;

@@ -12,10 +12,10 @@ namespace palpate::engine {
 /// Solving Ordinary Differential Equations I, II.14), its error measured by how far the direction
 /// at its end is from the sum of the bends on the way; a short step by one evaluation and the
 /// corrector y0 + h/2 (f0 + f1) + h^2/12 (g0 - g1) of order 4. The error of a step is below
-/// kFlowError of the stretch, or of the object's size if that is less: however far a hand is, its
-/// way lies on the surface. Where the excess over the cone changes sign along a step, at its
-/// ends, its stages or between them, the first such place is closed in on the quintic through the
-/// step.
+/// kFlowError (without friction kBudgetError) of the stretch, or of the object's size if that is
+/// less: however far a hand is, its way lies on the surface. Where the excess over the cone changes
+/// sign along a step, at its ends, its stages or between them, the first such place is closed in on
+/// the quintic through the step.
 class SurfaceFlow {
 public:
     struct Arrival {

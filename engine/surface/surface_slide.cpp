@@ -14,6 +14,10 @@ using Way = Footing::Way;
 /// Way beside the flow that is reported, of the size.
 constexpr double kAstray = 1e-8;
 
+/// Share of a budget that is enough for the flow if it is for steps: in a bowl the flow to the foot
+/// is no longer than its parts along both axes, sqrt(2) of the straight way.
+constexpr double kSure = 0.7;
+
 /// So often a step is shortened until it does as it promised.
 constexpr int kDoubts = 8;
 
@@ -23,6 +27,7 @@ struct Slider {
     Work work_;
     SurfaceSlew slew_;
     SurfaceFan& fan_;
+    bool flow_ = ground_.mu() > 0.0;  ///< is followed; else in steps to the foot
     double size_ = ground_.surface().size();
     bool spent_ = false;
     bool strays_ = false;       ///< the last step did not follow the flow
@@ -46,18 +51,18 @@ struct Slider {
         }
         double slid = glm::length(at.spot.jet.point - start);  // along the edge of a fan
         while (!ends(at.way) && !done_ && !tired()) {
-            if (slew_.spent()) {
+            if (late(at)) {
                 spent_ = true;
                 break;
             }
             singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet, size_));
-            if (at.way == Way::open && ground_.mu() > 0.0 && !lost_ && flows(at, slid)) {
+            if (at.way == Way::open && flow_ && !lost_ && flows(at, slid)) {
                 continue;
             }
             const SurfaceSpot next = advance(at);
             const double chord = glm::length(next.jet.point - at.spot.jet.point);
             slid += chord;
-            slew_.used += chord;
+            slew_.used += at.way == Way::open ? chord : edge_way(at.spot, next);
             astray_ += at.way == Way::open && strays_ ? chord : 0.0;
             at.spot = next;
             if (done_) {
@@ -77,6 +82,13 @@ struct Slider {
 
     static bool ends(Way way) noexcept {
         return way == Way::rests || way == Way::held || way == Way::over;
+    }
+
+    /// The budget is spent; in steps: they are not sure to come to the foot within it.
+    [[nodiscard]] bool late(const Footing& at) const noexcept {
+        const bool steps = !flow_ && slew_.limited();
+        const double to = steps && at.way == Way::open ? SurfaceSteps(at.spot, size_).reach() : 0.0;
+        return steps ? !(slew_.used + to <= kSure * slew_.budget) : slew_.spent();
     }
 
     /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in
@@ -144,6 +156,7 @@ struct Slider {
     /// The next spot; `done_` when there is nothing left to gain: where a walk that begins here
     /// would end at once, so that a hand at rest finds nothing to do.
     SurfaceSpot advance(const Footing& at) noexcept {
+        crease_ = at.crease;
         const SurfaceSpot next = step_on(at);
         if (!done_ || last_ == 0.0) {
             return next;
@@ -156,10 +169,10 @@ struct Slider {
 
     SurfaceSpot step_on(const Footing& at) noexcept {
         const SurfaceSpot& s = at.spot;
-        crease_ = at.crease;
         const SurfaceSteps steps(s, size_);
         const double noise = 12.0 * std::sqrt(s.r2) * s.noise;  // of two evaluations
-        const double whole = std::min(wanted(at, steps), slew_.budget - slew_.used);
+        const double whole = std::min(first_length(at, steps, ground_.mu(), last_, last_excess_),
+                                      slew_.budget - slew_.used);
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;
         bool tried = false;
@@ -170,6 +183,10 @@ struct Slider {
                 break;
             }
             const SurfaceSpot next = go(s, step, 1.0);
+            if (const double share = paid(at, step, next, slew_.budget - slew_.used); share < 1.0) {
+                length = share * step.length;
+                continue;
+            }
             const double fall = s.r2 - next.r2;
             // Lower by more than rounding, or as low and much nearer to the cone.
             if (fall > noise || (fall >= -noise && left(at, step, next) <= 0.5 * at.excess)) {
@@ -200,13 +217,9 @@ struct Slider {
                 foot_ = step.newton;
                 break;
             }
-            // Near a pole the parameters turn too fast to go past: over it, then.
             SurfacePlace pole = s.place;
-            if (!tried && ground_.to_pole(pole)) {
-                const SurfaceSpot there = ground_.look(pole);
-                if (there.r2 < s.r2 && glm::length(there.jet.point - s.jet.point) <= length) {
-                    return there;
-                }
+            if (!tried && ground_.to_pole(pole) && over_pole(s, length, pole)) {
+                return ground_.look(pole);
             }
             tried = true;
             length = 0.25 * std::min(length, step.length);
@@ -215,23 +228,12 @@ struct Slider {
         return s;
     }
 
-    /// The first step to try: to the foot or close to it where the cone is narrow, else Newton's on
-    /// the excess along the stretch, and further where the last one fell short.
-    [[nodiscard]] double wanted(const Footing& at, const SurfaceSteps& steps) const noexcept {
-        const SurfaceSpot& s = at.spot;
-        const bool into = at.way == Way::open;
-        if (into && steps.bowl() && s.cone <= 0.1 * s.length) {
-            return steps.to(s.cone).length;
-        }
-        const double whole = at.excess + 0.5 * s.rounding;
-        const bool slow = at.excess > 0.5 * last_excess_;
-        const Vec2 way = into                   ? SurfaceGround::parameters(s.jet, s.along)
-                       : at.way == Way::along_u ? Vec2{1.0, 0.0}
-                                                : Vec2{0.0, 1.0};
-        const double bend = normal_curvature(s.jet, s.normal, way.x, way.y);
-        const double reach = s.load + (s.load > 0.0 ? ground_.mu() * s.length : 0.0);
-        const double rate = std::max(1.0 - bend * reach, into && steps.bowl() ? 1e-3 : 0.25);
-        return std::max(whole / rate, slow ? 2.0 * last_ : 0.0);
+    /// Near a pole the parameters turn too fast to go past: over it, then.
+    [[nodiscard]] bool over_pole(const SurfaceSpot& s,
+                                 double length,
+                                 const SurfacePlace& pole) noexcept {
+        const SurfaceSpot there = ground_.look(pole);
+        return there.r2 < s.r2 && glm::length(there.jet.point - s.jet.point) <= length;
     }
 
     [[nodiscard]] SurfaceSpot go(const SurfaceSpot& s,
@@ -377,7 +379,17 @@ SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               double mu,
                               const SurfaceSlew& slew,
                               SurfaceFan& fan) noexcept {
-    return Slider{SurfaceGround(surface, h, mu), kSlideWork, slew, fan}.run(from);
+    // Without friction all ways lead to the foot, and steps lead there soonest; but where a budget
+    // may end on the way, its end lies on the flow, whatever the patches.
+    const SurfaceFan before = fan;
+    Slider walk{SurfaceGround(surface, h, mu), kSlideWork, slew, fan};
+    const SurfaceSlide slide = walk.run(from);
+    if (walk.flow_ || (!slide.out_of_budget && walk.slew_.used <= kSure * slew.budget)) {
+        return slide;
+    }
+    fan = before;
+    const Work rest = kSlideWork - walk.ground_.work();
+    return Slider{SurfaceGround(surface, h, mu), rest, slew, fan, true}.run(from);
 }
 
 }  // namespace palpate::engine

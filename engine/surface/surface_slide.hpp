@@ -56,7 +56,8 @@ inline constexpr Work kSlideWork = 150'000;
                                             Work work = kSlideWork) noexcept;
 
 /// The same with a vertex slew: way and turns are paid from its budget, and a convex edge is gone
-/// over through the fan of its normals (turn_in_fan).
+/// over through the fan of its normals (turn_in_fan). Without friction the flow is followed, too,
+/// unless steps come to the foot with a budget to spare.
 /// @param fan  where in one the god-object is; carried from tick to tick
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                                             const SurfacePlace& from,
