@@ -77,15 +77,17 @@ std::map<std::string, Catches> catches_of(Database& database,
     return people;
 }
 
-/// @param row  of kCounts
-Judgement judged(const Statement& row, const Catches& catches, const ExclusionSpec& rules) {
-    Judgement one{.participant = row.text(0)};
+/// The rules that a participant breaks. @param row  of kCounts
+std::vector<std::string> broken_rules(const Statement& row,
+                                      const Catches& catches,
+                                      const ExclusionSpec& rules) {
+    std::vector<std::string> broken;
     const auto check = [&](std::string_view rule, std::int64_t some, std::int64_t all,
                            double extreme, bool is_max) {
         const double share = static_cast<double>(some) / static_cast<double>(all);
         if (all > 0 && (is_max ? share > extreme : share < extreme)) {
-            one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, {} {}", rule, some, all, share,
-                                             is_max ? "above" : "below", extreme));
+            broken.push_back(fmt::format("{}: {} of {} = {:.3g}, {} {}", rule, some, all, share,
+                                         is_max ? "above" : "below", extreme));
         }
     };
     const std::int64_t answers = row.integer(2);
@@ -96,9 +98,9 @@ Judgement judged(const Statement& row, const Catches& catches, const ExclusionSp
           true);
     check("invalid_share_max", invalid, answers, rules.invalid_share_max, true);
     if (rules.sessions_finished && row.integer(1) > 0) {
-        one.broken.push_back("sessions_finished: " + counted(row.integer(1), "is not", "are not"));
+        broken.push_back("sessions_finished: " + counted(row.integer(1), "is not", "are not"));
     }
-    return one;
+    return broken;
 }
 
 /// A row a session, those that analyses do not see too.
@@ -144,15 +146,30 @@ void add_session(const Statement& row, bool codes, ByCode& people, LeftOut& acco
     }
 }
 
+/// Those of them whose sessions analyses see, by each version of the protocol.
 void judge_people(Database& database, ByCode& people, LeftOut& account) {
-    for (const Judgement& one : judge(database, account.study, account.kind).all) {
-        const auto found = people.find(one.participant);
-        if (found == people.end() || found->second.refused || found->second.withdrawn) {
-            continue;
+    for (const Statement& row : database.prepare(
+             "SELECT study_id, protocol_toml FROM study WHERE study_name = ?1", account.study)) {
+        Protocol protocol;
+        try {
+            protocol = protocols::stored_protocol(row.text(1));
+        } catch (const protocols::ProtocolError&) {
+            continue;  // palpate verify says it
         }
-        for (const std::string& rule : one.broken) {
-            found->second.broke = true;
-            account.broken.push_back({found->second.name, rule});
+        account.rules = account.rules || protocol.exclusion != ExclusionSpec{};
+        std::map<std::string, Catches> catches;
+        if (protocol.exclusion.catch_correct_min > 0.0) {
+            catches = catches_of(database, row.integer(0), account.kind, protocol);
+        }
+        for (const Statement& one : database.prepare(kCounts, row.integer(0), account.kind)) {
+            Person& person = people.at(one.text(0));
+            for (const std::string& rule :
+                 broken_rules(one, catches[one.text(0)], protocol.exclusion)) {
+                if (!person.refused && !person.withdrawn) {
+                    person.broke = true;
+                    account.broken.push_back({person.name, rule});
+                }
+            }
         }
     }
     // The order of the lab's codes is no business of whoever reads numbers.
@@ -188,29 +205,6 @@ std::string parts_text(const std::vector<std::pair<std::int64_t, std::string>>& 
 }
 
 }  // namespace
-
-Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
-    Exclusions found;
-    for (const Statement& row : database.prepare(
-             "SELECT study_id, protocol_toml FROM study WHERE study_name = ?1", study)) {
-        Protocol protocol;
-        try {
-            protocol = protocols::stored_protocol(row.text(1));
-        } catch (const protocols::ProtocolError&) {
-            continue;  // palpate verify says it
-        }
-        found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
-        std::map<std::string, Catches> catches;
-        if (protocol.exclusion.catch_correct_min > 0.0) {
-            catches = catches_of(database, row.integer(0), kind, protocol);
-        }
-        for (const Statement& one : database.prepare(kCounts, row.integer(0), kind)) {
-            found.all.push_back(judged(one, catches[one.text(0)], protocol.exclusion));
-        }
-    }
-    std::ranges::stable_sort(found.all, {}, &Judgement::participant);
-    return found;
-}
 
 bool LeftOut::leaves_out(std::string_view person) const {
     return std::ranges::find(broken, person, &Reason::person) != broken.end();

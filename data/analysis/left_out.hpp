@@ -15,29 +15,6 @@
 /// gives.
 namespace palpate::data {
 
-/// One participant of a study, and which of the protocol's rules of exclusion they break.
-///
-/// Answers that do not count are only in invalid_share_max. A catch trial is answered rightly
-/// with the outermost picture on its side: the most convex one for an object of curvature > 0, the
-/// most concave one below 0. Where there is nothing to judge (no catch trial was answered, no
-/// answer is right or wrong) a rule is not broken.
-struct Judgement {
-    std::string participant;
-    std::vector<std::string> broken{};  ///< "catch_correct_min: 1 of 4 = 0.25, below 0.75"
-};
-
-struct Exclusions {
-    bool rules = false;  ///< the protocol has some
-    /// by pseudonym, and by protocol where a study has had several versions
-    std::vector<Judgement> all;
-};
-
-/// Judges everybody who has a session of this kind, by the rules of the protocol that they ran. Who
-/// ran several versions of a study is judged by each, with the sessions of each.
-/// @param study  the protocol's id
-/// @param kind   "real", "pilot" or "simulated"
-[[nodiscard]] Exclusions judge(Database& database, std::string_view study, std::string_view kind);
-
 /// Which answers of a file are meant.
 struct AnswerChoice {
     std::string kind = "real";  ///< real, pilot or simulated: never two of them
@@ -58,15 +35,22 @@ struct LeftOut {
     };
     std::string study;
     std::string kind;
-    Count in_file{};                    ///< people with a session of the study and kind
-    Count no_consent{};                 ///< of who is noted as not consenting
-    Count withdrawn{};                  ///< people all of whose sessions were
-    std::int64_t marked = 0;            ///< answers that somebody marked
-    std::int64_t invalid = 0;           ///< answers that the protocol's rules for a trial refuse
-    std::int64_t no_answer = 0;         ///< people without an answer that counts
-    Count by_rule{};                    ///< the rules of [exclusion]
-    Count analysed{};                   ///< what is left
-    std::vector<Reason> broken{};       ///< whom a rule leaves out, a row a rule
+    Count in_file{};             ///< people with a session of the study and kind
+    Count no_consent{};          ///< of who is noted as not consenting
+    Count withdrawn{};           ///< people all of whose sessions were
+    std::int64_t marked = 0;     ///< answers that somebody marked
+    std::int64_t invalid = 0;    ///< answers that the protocol's rules for a trial refuse
+    std::int64_t no_answer = 0;  ///< people without an answer that counts
+    Count by_rule{};             ///< the rules of [exclusion]
+    Count analysed{};            ///< what is left
+    bool rules = false;          ///< the protocol has some of [exclusion]
+    /// Whom such a rule leaves out, a row a rule: "catch_correct_min: 1 of 4 = 0.25, below 0.75".
+    /// Everybody is judged by the protocol that they ran; who ran several versions of a study by
+    /// each, with the sessions of each. Answers that do not count are only in invalid_share_max. A
+    /// catch trial is answered rightly with the outermost picture on its side: the most convex one
+    /// for an object of curvature > 0, the most concave one below 0. Where there is nothing to
+    /// judge (no catch trial was answered, no answer is right or wrong) a rule is not broken.
+    std::vector<Reason> broken{};
     std::vector<Reason> withdrawals{};  ///< "P1 session 2", why
     std::vector<StudyVersion>
         elsewhere{};  ///< other kinds, versions and studies: in none of these numbers

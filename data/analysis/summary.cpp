@@ -94,33 +94,32 @@ std::string confusion_text(Database& database, const Group& group) {
 
 /// Whom the protocol's rules leave out, and the shares without them; nothing where there are no
 /// rules.
-std::string exclusions_text(Database& database, const Group& group, const RuleRuns& runs) {
-    const Exclusions exclusions = judge(database, group.study, group.kind);
-    if (!exclusions.rules) {
+std::string exclusions_text(Database& database,
+                            const Group& group,
+                            const RuleRuns& runs,
+                            const LeftOut& account) {
+    if (!account.rules) {
         return {};
     }
-    std::set<std::string> everybody;
+    const auto everybody = static_cast<std::size_t>(
+        account.in_file.people - account.no_consent.people - account.withdrawn.people);
     std::set<std::string> left_out;
     std::string why;
-    for (const Judgement& one : exclusions.all) {
-        everybody.insert(one.participant);
-        for (const std::string& rule : one.broken) {
-            left_out.insert(one.participant);
-            why += fmt::format("    {}  {}\n", one.participant, rule);
-        }
+    for (const LeftOut::Reason& one : account.broken) {
+        left_out.insert(one.person);
+        why += fmt::format("    {}  {}\n", one.person, one.why);
     }
     if (left_out.empty()) {
         return fmt::format(
             "\n  The rules of [exclusion] leave out none of {}: with and without them it is the "
             "same.\n",
-            counted(everybody.size(), "participant"));
+            counted(everybody, "participant"));
     }
     return fmt::format(
                "\n  The above is of all participants. The rules of [exclusion] leave out {} of "
                "{}:\n{}  Without {}:\n",
-               left_out.size(), everybody.size(), why,
-               left_out.size() == 1 ? "this one" : "these") +
-           (left_out.size() == everybody.size()
+               left_out.size(), everybody, why, left_out.size() == 1 ? "this one" : "these") +
+           (left_out.size() == everybody
                 ? std::string("\n  nobody is left\n")
                 : answers_text(database, group, left_out) + runs_text(runs, left_out));
 }
@@ -212,12 +211,12 @@ std::string summary_text(Database& database) {
     const Snapshot now(database);
     std::string text;
     for (const Group& group : groups(database)) {
+        const LeftOut account = left_out_of(database, group.study, group.kind, true);
         const RuleRuns runs = rule_runs(database, group);
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
-                runs_text(runs) + exclusions_text(database, group, runs) +
+                runs_text(runs) + exclusions_text(database, group, runs, account) +
                 counts_text(counts_of(database, group), invalid_query(database.file(), group)) +
-                '\n' + left_out_text(left_out_of(database, group.study, group.kind, true)) +
-                table_text(devices_table(database, group)) + '\n';
+                '\n' + left_out_text(account) + table_text(devices_table(database, group)) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

@@ -59,11 +59,9 @@ public:
             }
         }
         for (const std::string_view name : texts) {
-            if (const auto found = std::find(head_.begin(), head_.end(), name);
-                found != head_.end()) {
-                once(name);
+            if (const auto place = place_of(name)) {
                 table.text_columns.emplace_back(name);
-                text_places_.push_back(static_cast<std::size_t>(found - head_.begin()));
+                text_places_.push_back(*place);
             }
         }
         return table;
@@ -129,16 +127,20 @@ private:
         }
     }
 
-    /// Which of two columns of one name is meant nobody can tell.
-    void once(std::string_view name) const {
+    /// Where the head has it. Which of two columns of one name is meant nobody can tell.
+    [[nodiscard]] std::optional<std::size_t> place_of(std::string_view name) const {
         const auto first = std::find(head_.begin(), head_.end(), name);
-        const auto second = std::find(first == head_.end() ? first : first + 1, head_.end(), name);
-        if (second != head_.end()) {
+        if (first == head_.end()) {
+            return std::nullopt;
+        }
+        const auto place = static_cast<std::size_t>(first - head_.begin());
+        if (const auto second = std::find(first + 1, head_.end(), name); second != head_.end()) {
             fail_at(head_characters_[static_cast<std::size_t>(second - head_.begin())],
                     fmt::format("the head names the column {} twice, first as its column {}: "
                                 "rename or leave out the one that is not meant",
-                                name, first - head_.begin() + 1));
+                                name, place + 1));
         }
+        return place;
     }
 
     [[noreturn]] void fail_at(std::size_t character, const std::string& what) const {
@@ -185,14 +187,13 @@ private:
     }
 
     void add_column(NumberTable& table, std::string_view name) {
-        const auto found = std::find(head_.begin(), head_.end(), name);
-        if (found == head_.end()) {
+        const auto place = place_of(name);
+        if (!place) {
             fail(number_, fmt::format("there is no column {}: the head is \"{}\"; add the column",
                                       name, fmt::join(head_, ",")));
         }
-        once(name);
         table.columns.emplace_back(name);
-        places_.push_back(static_cast<std::size_t>(found - head_.begin()));
+        places_.push_back(*place);
     }
 
     void read_row(NumberTable& table) {

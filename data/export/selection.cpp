@@ -121,13 +121,7 @@ std::vector<NotTaken> Selection::keep(std::string_view held) {
                 return NotTaken{row.text(0), row.text(1), row.integer(2)};
             });
     database_.execute("DELETE FROM chosen WHERE session_id NOT IN (SELECT session_id FROM held)");
-    const auto left =
-        database_.prepare("SELECT session_id FROM chosen").all([](const Statement& row) {
-            return row.integer(0);
-        });
-    std::erase_if(sessions_, [&](const ChosenSession& one) {
-        return std::ranges::find(left, one.id) == left.end();
-    });
+    name_subjects();
     return none;
 }
 

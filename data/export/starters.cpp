@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -80,11 +81,7 @@ Levels levels_of(const std::filesystem::path& folder) {
 
 /// The words as a list of the language: "a", "b".
 std::string words_text(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) {
-        text += (&word == words.data() ? "" : ", ") + json_string(word);
-    }
-    return text;
+    return fmt::format("{}", fmt::join(std::views::transform(words, json_string), ", "));
 }
 
 /// Who is left out, as the export says it.

@@ -79,9 +79,6 @@ std::string gap_in(const std::vector<std::int64_t>& first_ticks,
 }
 
 using engine::TickRecord;
-using C = SampleColumn;
-
-constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
 class StoredBlocks {
 public:
@@ -89,17 +86,17 @@ public:
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
-                 const HipSource& source)
+                 const SessionTraces* session)
         : part_(part),
-          columns_(columns | bit(C::tick)),  // every row has its number
+          columns_(columns | bits_of({"tick"})),  // every row has its number
           range_(range),
           chunks_(db, part),
-          in_space_(source.in_space) {
-        if (source.machine && (columns & kHipColumns) != 0) {
-            hip_.emplace(*source.machine);
+          in_space_(session != nullptr && session->in_space()) {
+        if (session != nullptr && session->machine()) {
+            hip_.emplace(*session->machine());
         }
         if (range.to_s < kNoTime || range.from_s > -kNoTime) {
-            columns_ |= bit(C::time_s);
+            columns_ |= bits_of({"time_s"});
         }
         next_ = of_part(part_, [this] { return first_chunk(); });
     }
@@ -168,36 +165,36 @@ private:
         const auto small = [](std::int64_t value) {
             return static_cast<std::int32_t>(value);
         };
-        each(reader, ColumnId::tick, bit(C::tick),
+        each(reader, ColumnId::tick, bits_of({"tick"}),
              [](TickRecord& t, std::int64_t v) { t.tick = v; });
-        each(reader, ColumnId::time_ns, kTime,
+        each(reader, ColumnId::time_ns, bits_of({"time_s"}) | kVelocityColumns,
              [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
-        each(reader, ColumnId::count_1, bit(C::count_1) | kHipColumns,
+        each(reader, ColumnId::count_1, bits_of({"count_1"}) | kHipColumns,
              [&](TickRecord& t, std::int64_t v) { t.counts[0] = small(v); });
-        each(reader, ColumnId::count_2, bit(C::count_2) | kHipColumns,
+        each(reader, ColumnId::count_2, bits_of({"count_2"}) | kHipColumns,
              [&](TickRecord& t, std::int64_t v) { t.counts[1] = small(v); });
-        each(reader, ColumnId::code_1, bit(C::code_1),
+        each(reader, ColumnId::code_1, bits_of({"code_1"}),
              [&](TickRecord& t, std::int64_t v) { t.codes[0] = small(v); });
-        each(reader, ColumnId::code_2, bit(C::code_2),
+        each(reader, ColumnId::code_2, bits_of({"code_2"}),
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
-        each(reader, ColumnId::count_3, bit(C::count_3),
+        each(reader, ColumnId::count_3, bits_of({"count_3"}),
              [&](TickRecord& t, std::int64_t v) { t.counts[2] = small(v); });
-        each(reader, ColumnId::code_3, bit(C::code_3),
+        each(reader, ColumnId::code_3, bits_of({"code_3"}),
              [&](TickRecord& t, std::int64_t v) { t.codes[2] = small(v); });
-        each(reader, ColumnId::flags, bit(C::flags),
+        each(reader, ColumnId::flags, bits_of({"flags"}),
              [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
-        each(reader, ColumnId::command_x, bit(C::commanded_x_n),
+        each(reader, ColumnId::command_x, bits_of({"commanded_x_n"}),
              [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
-        each(reader, ColumnId::command_y, bit(C::commanded_y_n),
+        each(reader, ColumnId::command_y, bits_of({"commanded_y_n"}),
              [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
-        each(reader, ColumnId::command_z, bit(C::commanded_z_n),
+        each(reader, ColumnId::command_z, bits_of({"commanded_z_n"}),
              [](TickRecord& t, std::int64_t v) { t.command.z = steps_in_newton(v); });
     }
 
     void load_lateness(ChunkReader& reader) {
-        each(reader, ColumnId::lateness_ns, bit(C::lateness_us),
+        each(reader, ColumnId::lateness_ns, bits_of({"lateness_us"}),
              [](TickRecord& t, std::int64_t v) { t.lateness_us = lateness_us(v); });
-        if (wants(bit(C::lateness_us)) && (reader.chunk().parts & part_lateness) != 0) {
+        if (wants(bits_of({"lateness_us"})) && (reader.chunk().parts & part_lateness) != 0) {
             load_exact(reader, &TickRecord::lateness_us);
         }
     }
@@ -320,8 +317,8 @@ TickBlocks stored_blocks(const Connection& db,
                          const TrialPart& part,
                          SampleColumns columns,
                          const TickRange& range,
-                         const HipSource& source) {
-    return [blocks = std::make_shared<StoredBlocks>(db, part, columns, range, source)] {
+                         const SessionTraces* session) {
+    return [blocks = std::make_shared<StoredBlocks>(db, part, columns, range, session)] {
         return blocks->next();
     };
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -15,6 +16,21 @@
 namespace palpate::data {
 
 using engine::TickRecord;
+
+SampleColumns bits_of(std::initializer_list<std::string_view> names) {
+    std::vector<std::string_view> columns{"trial_id", "interval"};
+    std::ranges::transform(trace_columns(), std::back_inserter(columns), &TraceColumn::name);
+    columns.insert(columns.end(), {"hip_vx_m_per_s", "hip_vy_m_per_s", "hip_vz_m_per_s"});
+    SampleColumns bits = 0;
+    for (const std::string_view name : names) {
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const bool meant =
+                name.ends_with('_') ? columns[i].starts_with(name) : columns[i] == name;
+            bits |= SampleColumns{meant} << i;
+        }
+    }
+    return bits;
+}
 
 /// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody
 /// asks.
@@ -214,12 +230,11 @@ TickBlocks TickStore::blocks(const TrialPart& part, SampleColumns columns, const
             }
         };
     }
-    HipSource source;
+    const SessionTraces* session = nullptr;
     if ((columns & kHipColumns) != 0) {
-        const SessionTraces& session = *of_part(part, [&] { return context_of(part).session; });
-        source = {.machine = session.machine(), .in_space = session.in_space()};
+        session = of_part(part, [&] { return context_of(part).session; });
     }
-    return stored_blocks(db_, part, columns, range, source);
+    return stored_blocks(db_, part, columns, range, session);
 }
 
 void SampleCursor::start(const SampleScan& scan) {

@@ -3,6 +3,7 @@
 #include <compare>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <memory>
@@ -15,7 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/device/pantograph.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/sql/statement.hpp"
 #include "data/trace/chunk.hpp"
@@ -24,6 +24,24 @@
 
 struct sqlite3;
 namespace palpate::data {
+
+/// What a query needs of the columns of `sample`: bit i is the i-th of sample_declaration().
+using SampleColumns = std::uint64_t;
+
+/// @param names  of columns; one that ends with _ is all that begin so
+[[nodiscard]] SampleColumns bits_of(std::initializer_list<std::string_view> names);
+
+/// Columns that need HIP, and the tick before.
+inline const SampleColumns kVelocityColumns =
+    bits_of({"hip_vx_m_per_s", "hip_vy_m_per_s", "hip_vz_m_per_s"});
+inline const SampleColumns kHipColumns = bits_of({"hip_"});
+/// Columns of commanded forces.
+inline const SampleColumns kCommandColumns = bits_of({"commanded_"});
+/// Columns that no force needs: looked for where they are asked for.
+inline const SampleColumns kClosestColumns = bits_of({"cp_"});
+/// Columns that follow from the hand's whole path: they need a replay.
+inline const SampleColumns kReplayedColumns =
+    bits_of({"cp_", "go_", "rendered_", "mode", "segment", "u", "v", "mu"});
 
 // What is asked of stored ticks, and how they come.
 
@@ -134,19 +152,14 @@ auto of_part(const TrialPart& part, const Work& work) {
 [[nodiscard]] std::span<const engine::TickRecord> ticks_in(
     std::span<const engine::TickRecord> ticks, const TickRange& range) noexcept;
 
-/// What HIP follows from, if columns of HIP are wanted.
-struct HipSource {
-    std::optional<engine::PantographSpec> machine{};  ///< if the session has a calibration
-    bool in_space = false;                            ///< from its own columns
-};
-
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
 /// decoding the columns wanted only, those chunks left out that are out of range.
+/// @param session  of the trial, if columns of HIP are wanted; else null
 [[nodiscard]] TickBlocks stored_blocks(const Connection& db,
                                        const TrialPart& part,
                                        SampleColumns columns,
                                        const TickRange& range,
-                                       const HipSource& source);
+                                       const SessionTraces* session);
 
 class PartReplay;
 

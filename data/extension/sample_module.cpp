@@ -1,7 +1,6 @@
 #include "data/extension/sample_module.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -10,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <sqlite3ext.h>
 
@@ -21,20 +21,24 @@ SQLITE_EXTENSION_INIT3
 namespace palpate::data {
 namespace {
 
+/// The columns by which a scan is narrowed or ordered, in their places.
+enum class Key { trial_id, interval, tick, time_s };
+constexpr std::size_t kKeys = 2;  // before those of a tick
+
 /// One letter for each value given to filter(), in order.
 char letter(int column, unsigned char op) {
     const bool equal = op == SQLITE_INDEX_CONSTRAINT_EQ || op == SQLITE_INDEX_CONSTRAINT_IS;
     const bool above = op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_GE;
     const bool below = op == SQLITE_INDEX_CONSTRAINT_LT || op == SQLITE_INDEX_CONSTRAINT_LE;
     const bool beyond = op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_LT;
-    switch (static_cast<SampleColumn>(column)) {
-        case SampleColumn::trial_id:
+    switch (static_cast<Key>(column)) {
+        case Key::trial_id:
             return equal ? 'T' : above ? (beyond ? 'G' : 'g') : below ? (beyond ? 'L' : 'l') : '\0';
-        case SampleColumn::interval:
+        case Key::interval:
             return equal ? 'I' : '\0';
-        case SampleColumn::tick:
+        case Key::tick:
             return equal ? 'k' : above ? 'a' : below ? 'b' : '\0';
-        case SampleColumn::time_s:
+        case Key::time_s:
             return equal ? 's' : above ? 'f' : below ? 't' : '\0';
         default:
             return '\0';
@@ -51,17 +55,17 @@ char order_of(const sqlite3_index_info& info, const std::string& letters) {
     bool merged = false;
     char by = 'n';
     for (int i = 0; i < info.nOrderBy; ++i) {
-        const auto column = static_cast<SampleColumn>(info.aOrderBy[i].iColumn);
+        const auto column = static_cast<Key>(info.aOrderBy[i].iColumn);
         if (info.aOrderBy[i].desc != 0 || next > 2) {
             return '\0';
         }
-        if (column == SampleColumn::trial_id && (next == 0 || one_trial)) {
+        if (column == Key::trial_id && (next == 0 || one_trial)) {
             next = std::max(next, 1);
-        } else if (column == SampleColumn::interval && !merged && (next == 1 || one_interval)) {
+        } else if (column == Key::interval && !merged && (next == 1 || one_interval)) {
             next = std::max(next, next == 0 ? 0 : 2);
-        } else if ((column == SampleColumn::time_s || column == SampleColumn::tick) && next >= 1) {
+        } else if ((column == Key::time_s || column == Key::tick) && next >= 1) {
             merged = next == 1 && !one_interval;
-            by = !merged ? 'n' : column == SampleColumn::time_s ? 'm' : 'M';
+            by = !merged ? 'n' : column == Key::time_s ? 'm' : 'M';
             next = 3;
         } else {
             return '\0';
@@ -199,9 +203,6 @@ SampleScan chosen_scan(std::string_view plan, std::span<sqlite3_value* const> va
     return scan;
 }
 
-constexpr auto kKeys = static_cast<std::size_t>(SampleColumn::tick);  // before those of a tick
-constexpr int kVelocity = static_cast<int>(SampleColumn::hip_vx_m_per_s);
-
 struct Table : sqlite3_vtab {
     explicit Table(sqlite3* db) : sqlite3_vtab{}, store(db) {}
     TickStore store;
@@ -293,7 +294,7 @@ double in_whole_steps(double command) noexcept {
 
 /// Where the reals of a tick lie; 0 for what is none.
 const auto kReals = [] {
-    std::array<std::size_t, static_cast<std::size_t>(SampleColumn::count_of_columns)> places{};
+    std::vector<std::size_t> places(kKeys + trace_columns().size() + 3);
     std::ranges::transform(trace_columns(), &places[kKeys], [](const TraceColumn& column) {
         return column.memory == "f64le" ? column.offset : 0;
     });
@@ -311,33 +312,28 @@ void give(sqlite3_context* context, std::string_view text) {  // of a name that 
 }
 
 /// Apart from column(), which is asked for every value.
-[[gnu::noinline]] void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
-    switch (column) {
-        case SampleColumn::trial_id:
-            return give(context, at.part().trial);
-        case SampleColumn::interval:
-            return give(context, at.part().interval);
-        case SampleColumn::hip_vx_m_per_s:
-        case SampleColumn::hip_vy_m_per_s:
-        case SampleColumn::hip_vz_m_per_s:
-            return give(context, at.velocity()[static_cast<int>(column) - kVelocity]);
-        default:
-            return std::visit(
-                [context](const auto& value) { give(context, value); },
-                trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick()));
+[[gnu::noinline]] void give(sqlite3_context* context, const SampleCursor& at, int number) {
+    const auto columns = trace_columns();
+    const auto place = static_cast<std::size_t>(number) - kKeys;
+    if (number < static_cast<int>(kKeys)) {
+        give(context, number == 0 ? at.part().trial : at.part().interval);
+    } else if (place < columns.size()) {
+        std::visit([context](const auto& value) { give(context, value); },
+                   columns[place].value(at.tick()));
+    } else {
+        give(context, at.velocity()[static_cast<int>(place - columns.size())]);
     }
 }
 
 int column(sqlite3_vtab_cursor* cursor, sqlite3_context* context, int number) {
     const SampleCursor& at = static_cast<Cursor*>(cursor)->cursor;
-    const auto column = static_cast<SampleColumn>(number);
     if (const std::size_t place = kReals[static_cast<std::size_t>(number)]; place != 0) {
         const auto* const bytes = reinterpret_cast<const std::byte*>(&at.tick());
         const double real = *reinterpret_cast<const double*>(bytes + place);
-        const bool rounded = (bit(column) & kCommandColumns) != 0 && at.replayed();
+        const bool rounded = (kCommandColumns >> number & 1U) != 0 && at.replayed();
         give(context, rounded ? in_whole_steps(real) : real);
     } else {
-        give(context, at, column);
+        give(context, at, number);
     }
     return SQLITE_OK;
 }

@@ -17,7 +17,7 @@ int add_sample_module(sqlite3* db);
 [[nodiscard]] bool any_null(int count, sqlite3_value** values);
 
 /// Statistics as SQL functions, deterministic, NULL for NULL; what is out of range is an SQL error
-/// with a sentence. Formulas and accuracy: data/analysis.
+/// with a sentence. Formulas and accuracy: data/statistics.
 ///
 ///   wilson_low(k, n [, confidence]), wilson_high        score interval of a share; 0.95
 ///   clopper_pearson_low(k, n [, confidence]), ..._high  exact interval of a share

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -15,8 +17,27 @@ SQLITE_EXTENSION_INIT3
 namespace palpate::data {
 namespace {
 
-void refuse(sqlite3_context* context, const std::string& why) {
-    sqlite3_result_error(context, why.c_str(), static_cast<int>(why.size()));
+/// What the arguments, none of them NULL, give; nothing: NULL. Throws why it is refused.
+struct Scalar {
+    const char* name;
+    int fewest;
+    int most;
+    std::optional<double> (*value)(int count, sqlite3_value** values);
+};
+
+void call(sqlite3_context* context, int count, sqlite3_value** values) {
+    if (any_null(count, values)) {
+        return;
+    }
+    const auto& scalar = *static_cast<const Scalar*>(sqlite3_user_data(context));
+    try {
+        if (const std::optional<double> value = scalar.value(count, values)) {
+            sqlite3_result_double(context, *value);
+        }
+    } catch (const std::exception& e) {
+        const std::string why = fmt::format("{}: {}", scalar.name, e.what());
+        sqlite3_result_error(context, why.c_str(), static_cast<int>(why.size()));
+    }
 }
 
 /// A whole number, also where it is stored as REAL (the sum of a column, say).
@@ -36,20 +57,14 @@ struct Share {
     std::int64_t n = 0;
 };
 
-bool read_share(sqlite3_context* context, const char* name, sqlite3_value** values, Share& share) {
+Share share_of(sqlite3_value** values) {
+    Share share;
     if (whole(values[0], share.k) && whole(values[1], share.n) && 0 <= share.k &&
         share.k <= share.n) {
-        return true;
+        return share;
     }
-    refuse(context, fmt::format("{}: give whole numbers with 0 <= k <= n", name));
-    return false;
+    throw std::invalid_argument("give whole numbers with 0 <= k <= n");
 }
-
-struct IntervalFunction {
-    const char* name;
-    Interval (*interval)(const Share& share, double confidence);
-    double Interval::*end;
-};
 
 Interval wilson_at(const Share& share, double confidence) {
     return wilson(share.k, share.n, protocols::normal_quantile(0.5 + 0.5 * confidence));
@@ -58,85 +73,58 @@ Interval clopper_pearson_at(const Share& share, double confidence) {
     return clopper_pearson(share.k, share.n, confidence);
 }
 
-constexpr IntervalFunction kIntervals[] = {
-    {"wilson_low", wilson_at, &Interval::low},
-    {"wilson_high", wilson_at, &Interval::high},
-    {"clopper_pearson_low", clopper_pearson_at, &Interval::low},
-    {"clopper_pearson_high", clopper_pearson_at, &Interval::high},
-};
-
-void interval_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    const auto& function = *static_cast<const IntervalFunction*>(sqlite3_user_data(context));
-    Share share;
-    if (any_null(count, values) || !read_share(context, function.name, values, share)) {
-        return;
-    }
+template <auto At, double Interval::*End>
+std::optional<double> end_of(int count, sqlite3_value** values) {
+    const Share share = share_of(values);
     const double confidence = count == 3 ? sqlite3_value_double(values[2]) : 0.95;
     if (!(confidence > 0.0 && confidence < 1.0)) {
-        refuse(context, fmt::format("{}: confidence is {}: give a share between 0 and 1, as 0.95",
-                                    function.name, confidence));
-        return;
+        throw std::invalid_argument(
+            fmt::format("confidence is {}: give a share between 0 and 1, as 0.95", confidence));
     }
-    try {
-        sqlite3_result_double(context, function.interval(share, confidence).*function.end);
-    } catch (const std::exception& e) {
-        refuse(context, fmt::format("{}: {}", function.name, e.what()));
-    }
+    return At(share, confidence).*End;
 }
 
-void d_prime_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    Share share;
-    if (any_null(count, values) || !read_share(context, "d_prime", values, share)) {
-        return;
-    }
+std::optional<double> d_prime_of(int /*count*/, sqlite3_value** values) {
+    const Share share = share_of(values);
     std::int64_t alternatives = 0;
     constexpr std::int64_t kMax = 1000;
     if (!whole(values[2], alternatives) || alternatives < 2 || alternatives > kMax) {
-        refuse(context, "d_prime: alternatives must be a whole number from 2 to 1000");
-        return;
+        throw std::invalid_argument("alternatives must be a whole number from 2 to 1000");
     }
-    if (share.n > 0) {  // without an answer nothing is known: NULL
-        sqlite3_result_double(context, d_prime(share.k, share.n, alternatives));
-    }
+    // without an answer nothing is known
+    return share.n > 0 ? std::optional(d_prime(share.k, share.n, alternatives)) : std::nullopt;
 }
 
-/// A text that is no number would count as 0. @return false: refused
-bool is_number(sqlite3_context* context, const char* name, sqlite3_value* value) {
+/// A text that is no number would count as 0.
+double number(sqlite3_value* value) {
     const int type = sqlite3_value_numeric_type(value);
-    if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) {
-        return true;
+    if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) {
+        throw std::invalid_argument("give a number, not a text");
     }
-    refuse(context, fmt::format("{}: give a number, not a text", name));
-    return false;
+    return sqlite3_value_double(value);
 }
 
-void probit_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    if (any_null(count, values) || !is_number(context, "probit", values[0])) {
-        return;
-    }
-    const double p = sqlite3_value_double(values[0]);
+std::optional<double> probit_of(int /*count*/, sqlite3_value** values) {
+    const double p = number(values[0]);
     if (!(p >= 0.0 && p <= 1.0)) {
-        refuse(context, fmt::format("probit: p is {}: give a share from 0 to 1", p));
-        return;
+        throw std::invalid_argument(fmt::format("p is {}: give a share from 0 to 1", p));
     }
-    sqlite3_result_double(context, protocols::normal_quantile(p));
+    return protocols::normal_quantile(p);
 }
 
-void normal_cdf_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    if (!any_null(count, values) && is_number(context, "normal_cdf", values[0])) {
-        sqlite3_result_double(context, protocols::normal_cdf(sqlite3_value_double(values[0])));
-    }
+std::optional<double> normal_cdf_of(int /*count*/, sqlite3_value** values) {
+    return protocols::normal_cdf(number(values[0]));
 }
 
-int add(sqlite3* db,
-        const char* name,
-        int arguments,
-        void (*function)(sqlite3_context*, int, sqlite3_value**),
-        const void* data = nullptr) {
-    return sqlite3_create_function_v2(db, name, arguments,
-                                      SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS,
-                                      const_cast<void*>(data), function, nullptr, nullptr, nullptr);
-}
+constexpr Scalar kScalars[] = {
+    {"wilson_low", 2, 3, end_of<wilson_at, &Interval::low>},
+    {"wilson_high", 2, 3, end_of<wilson_at, &Interval::high>},
+    {"clopper_pearson_low", 2, 3, end_of<clopper_pearson_at, &Interval::low>},
+    {"clopper_pearson_high", 2, 3, end_of<clopper_pearson_at, &Interval::high>},
+    {"d_prime", 3, 3, d_prime_of},
+    {"probit", 1, 1, probit_of},
+    {"normal_cdf", 1, 1, normal_cdf_of},
+};
 
 }  // namespace
 
@@ -147,17 +135,16 @@ bool any_null(int count, sqlite3_value** values) {
 }
 
 int add_scalar_functions(sqlite3* db) {
+    constexpr int kKind = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
     int code = SQLITE_OK;
-    for (const IntervalFunction& function : kIntervals) {
-        for (const int arguments : {2, 3}) {
-            code = code != SQLITE_OK
-                     ? code
-                     : add(db, function.name, arguments, interval_function, &function);
+    for (const Scalar& scalar : kScalars) {
+        for (int n = scalar.fewest; code == SQLITE_OK && n <= scalar.most; ++n) {
+            code =
+                sqlite3_create_function_v2(db, scalar.name, n, kKind, const_cast<Scalar*>(&scalar),
+                                           call, nullptr, nullptr, nullptr);
         }
     }
-    code = code != SQLITE_OK ? code : add(db, "d_prime", 3, d_prime_function);
-    code = code != SQLITE_OK ? code : add(db, "probit", 1, probit_function);
-    return code != SQLITE_OK ? code : add(db, "normal_cdf", 1, normal_cdf_function);
+    return code;
 }
 
 }  // namespace palpate::data

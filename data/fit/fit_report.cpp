@@ -134,17 +134,6 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options) {
     return curve;
 }
 
-/// The curves of one person, of whose rates one is the same for all.
-std::vector<CurveModel> models_of(const FitReport& report, const std::string& participant) {
-    std::vector<CurveModel> models;
-    for (const FittedCurve& curve : report.curves) {
-        if (curve.answers.participant == participant) {
-            models.push_back(curve.model);
-        }
-    }
-    return models;
-}
-
 /// With one rate for the conditions of each person.
 void fit_shared(FitReport& report) {
     const FitOptions& options = report.options;
@@ -152,16 +141,17 @@ void fit_shared(FitReport& report) {
         const std::string& person = report.curves[first].answers.participant;
         std::vector<std::size_t> mine;
         std::vector<std::uint64_t> streams;
+        std::vector<CurveModel> models;
         for (std::size_t i = 0; i < report.curves.size(); ++i) {
             if (report.curves[i].answers.participant == person) {
                 mine.push_back(i);
                 streams.push_back(report.curves[i].answers.stream);
+                models.push_back(report.curves[i].model);
             }
         }
         if (mine.front() != first) {
             continue;
         }
-        std::vector<CurveModel> models = models_of(report, person);
         share_rate(models);
         std::vector<CurveFit> fits(models.size());
         std::ranges::transform(models, fits.begin(), fit_curve);
@@ -193,16 +183,15 @@ double p_of_equal(const FitReport& report,
     }
     std::size_t place_one = 0;
     std::size_t place_two = 0;
-    std::size_t place = 0;
+    std::vector<CurveModel> models;  // of the person, of whose rates one is the same for all
     for (const FittedCurve& curve : report.curves) {
         if (curve.answers.participant == one.answers.participant) {
-            place_one = &curve == &one ? place : place_one;
-            place_two = &curve == &two ? place : place_two;
-            ++place;
+            place_one = &curve == &one ? models.size() : place_one;
+            place_two = &curve == &two ? models.size() : place_two;
+            models.push_back(curve.model);
         }
     }
-    return shared_equality_p(models_of(report, one.answers.participant), place_one, one.fit,
-                             place_two, two.fit, quantity);
+    return shared_equality_p(models, place_one, one.fit, place_two, two.fit, quantity);
 }
 
 const FitEstimate& estimate_in(const FittedCurve& curve, Quantity quantity) {

@@ -5,12 +5,12 @@
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "data/statistics/distributions.hpp"
-#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
@@ -246,21 +246,6 @@ std::vector<TwoCounts> drawn(std::span<const TwoCounts> people,
 }
 
 }  // namespace
-
-Nodes gauss_hermite(int count) {
-    const auto n = static_cast<std::size_t>(count);
-    std::vector<double> jacobi(n * n);
-    for (std::size_t i = 1; i < n; ++i) {
-        jacobi[i * n + i - 1] = std::sqrt(0.5 * static_cast<double>(i));
-        jacobi[(i - 1) * n + i] = jacobi[i * n + i - 1];
-    }
-    Spectrum parts = spectrum_of(jacobi);
-    Nodes nodes{.at = std::move(parts.values)};
-    for (const double first : parts.first) {
-        nodes.weight.push_back(std::sqrt(std::numbers::pi) * first * first);
-    }
-    return nodes;
-}
 
 double mixed_deviance(std::span<const TwoCounts> people,
                       double b0,

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
+
+#include "data/statistics/solve.hpp"
 
 /// Logistic mixed model of two conditions: correct ~ friction + (friction | subject).
 ///
@@ -23,14 +24,6 @@ struct TwoCounts {
     std::array<double, 2> n{};
     std::array<double, 2> k{};
 };
-
-/// Nodes and weights of the integral of e^(-z^2) f(z) (Gauss-Hermite).
-struct Nodes {
-    std::vector<double> at{};
-    std::vector<double> weight{};
-};
-/// By Golub and Welsch (Math. Comput. 23:221, 1969). @pre 1 <= count <= 40
-[[nodiscard]] Nodes gauss_hermite(int count);
 
 /// -2 log-likelihood at a point. @param l  l11, l21, l22
 [[nodiscard]] double mixed_deviance(std::span<const TwoCounts> people,

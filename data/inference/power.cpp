@@ -23,37 +23,16 @@ std::vector<double> differences_of(std::span<const PowerPerson> people) {
     return differences;
 }
 
-/// The share of all patterns of signs whose sum is as far from 0, where differences are whole
-/// numbers of one unit: as sign_flip() of them, in people times answers instead of 2^people.
+/// Differences are whole numbers of one unit: sign_flip() of them, in people times answers.
 double sign_flip_of_counts(std::span<const PowerPerson> people) {
     std::vector<std::size_t> sizes;
-    std::size_t all = 0;
-    double sum = 0.0;
+    std::size_t above = 0;
     for (const PowerPerson& one : people) {
         const double difference = one.right_with - one.right_without;
         sizes.push_back(static_cast<std::size_t>(std::lround(std::fabs(difference))));
-        all += sizes.back();
-        sum += difference;
+        above += difference > 0.0 ? sizes.back() : 0;
     }
-    const auto far = static_cast<std::size_t>(std::lround(std::fabs(sum)));
-    std::vector<double> chance(2 * all + 1);  // of the sum, from -all
-    chance[all] = 1.0;
-    std::vector<double> next(chance.size());
-    std::size_t reached = 0;
-    for (const std::size_t size : sizes) {
-        std::ranges::fill(next, 0.0);
-        for (std::size_t at = all - reached; at <= all + reached; ++at) {
-            next[at - size] += 0.5 * chance[at];
-            next[at + size] += 0.5 * chance[at];
-        }
-        reached += size;
-        chance.swap(next);
-    }
-    double p = 0.0;
-    for (std::size_t at = 0; at < chance.size(); ++at) {
-        p += (at > all ? at - all : all - at) >= far ? chance[at] : 0.0;
-    }
-    return std::min(p, 1.0);
+    return signed_sums_p(sizes, above);
 }
 
 double mixed_p(std::span<const PowerPerson> people) {

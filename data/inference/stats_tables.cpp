@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -236,11 +237,7 @@ std::string r_string(std::string_view text) {
 }
 
 std::string list_of(const std::vector<std::string>& all) {
-    std::string text = "c(";
-    for (const std::string& one : all) {
-        text += (&one == all.data() ? "" : ", ") + r_string(one);
-    }
-    return text + ")";
+    return fmt::format("c({})", fmt::join(std::views::transform(all, r_string), ", "));
 }
 
 }  // namespace

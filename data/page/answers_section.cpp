@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -10,8 +8,6 @@
 
 namespace palpate::data {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Of pictures the one that was felt, of yes and no what the signals say.
 bool is_right(const StatsReport& stats, const std::string& felt, const std::string& called) {
@@ -123,27 +119,6 @@ void add_effects(const StatsReport& stats,
                    .folded = !applied});
 }
 
-/// Shares of the people whom the protocol's rules leave out, a row a person, a column a friction.
-std::vector<std::vector<double>> shares_left_out(const Study& study,
-                                                 const Rows& shares,
-                                                 const std::vector<std::string>& frictions) {
-    std::vector<std::vector<double>> all;
-    std::set<std::string> left_out;
-    for (const LeftOut::Reason& one : study.left_out.broken) {
-        left_out.insert(one.person);
-    }
-    for (const std::string& person : left_out) {
-        auto& values = all.emplace_back(frictions.size(), kNone);
-        const Rows mine = shares.where("person", person);
-        for (std::size_t f = 0; f < frictions.size(); ++f) {
-            for (const double share : mine.where("friction", frictions[f]).numbers("share")) {
-                values[f] = share;
-            }
-        }
-    }
-    return all;
-}
-
 void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     const StatsReport& stats = *numbers.stats;
     const Measure* share = find_measure(stats.applied, "share");
@@ -156,7 +131,7 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
                       .data = study.ask(page_query("shares"))};
     PairedPanel pairs = pairs_of(*share, stats.table.frictions);
     pairs.height = 260.0;
-    pairs.left_out = shares_left_out(study, figure.data, stats.table.frictions);
+    pairs.left_out = pairs_of(figure.data, "share", stats.table.frictions).left_out;
     Panel panel = paired_panel(pairs);
     if (stats.table.alternatives > 0) {
         const double chance = 1.0 / static_cast<double>(stats.table.alternatives);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
+#include <nettle/base64.h>
 
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
@@ -58,20 +60,9 @@ std::string data_address(std::string_view type, std::string_view text) {
 
 /// RFC 4648, with its padding.
 std::string base64(std::string_view bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::string_view three = bytes.substr(i, 3);
-        std::uint32_t bits = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            bits = bits << 8U | (k < three.size() ? static_cast<unsigned char>(three[k]) : 0U);
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            out += k <= three.size() ? kDigits[bits >> (18U - 6U * k) & 63U] : '=';
-        }
-    }
+    std::string out(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
+    base64_encode_raw(out.data(), bytes.size(),
+                      reinterpret_cast<const std::uint8_t*>(bytes.data()));
     return out;
 }
 

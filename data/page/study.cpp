@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <ranges>
 #include <set>
 #include <stdexcept>
 
@@ -224,11 +225,8 @@ std::string Study::person(const std::string& known_as) const {
 
 Rows Study::ask(std::string_view sql) const {
     std::string text(sql);
-    std::string signals;
-    for (const std::string& one : options.signals) {
-        signals += (signals.empty() ? "" : ", ") + quoted_text(one);
-    }
-    const std::string signal = fmt::format("planned_object IN ({})", signals);
+    const auto signals = std::views::transform(options.signals, quoted_text);
+    const std::string signal = fmt::format("planned_object IN ({})", fmt::join(signals, ", "));
     const auto judged = [](const std::string& yes_no) {
         return fmt::format("iif(chosen_object IS NULL, {}, chosen_object = planned_object)",
                            yes_no);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "engine/geometry/vec.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "data/plot/svg_panel.hpp"
 
@@ -23,17 +23,6 @@ constexpr double kCell = 200.0;     // px, width of a cell
 constexpr double kPad = 14.0;       // px left and right of an object in its cell
 constexpr double kTallest = 260.0;  // px, of an object
 constexpr double kWords = 62.0;     // px below an object for its three lines
-
-/// What all outlines take, m.
-struct Box {
-    Vec2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    Vec2 high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-
-    void add(const Vec2& point) {
-        low = {std::min(low.x, point.x), std::min(low.y, point.y)};
-        high = {std::max(high.x, point.x), std::max(high.y, point.y)};
-    }
-};
 
 std::string signed_text(double value, std::string_view unit) {
     return value == 0.0
@@ -69,9 +58,7 @@ std::string shape_text(const Protocol& protocol,
         return fmt::format("{}, {}", signed_text(*curvature, "1/m"),
                            sagitta_text(protocol, object));
     }
-    Box box;
-    std::for_each(outline.begin(), outline.end(), [&](const Vec2& point) { box.add(point); });
-    const Vec2 size = 1e3 * (box.high - box.low);
+    const Vec2 size = 1e3 * engine::box_of<2>(outline).size();
     return fmt::format("free form, {:.4g} \u00d7 {:.4g} mm", size.x, size.y);
 }
 
@@ -95,10 +82,11 @@ public:
     Sheet(const Protocol& protocol, std::string_view hash) : protocol_(protocol), hash_(hash) {
         for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
             outlines_.push_back(protocols::silhouette_of(protocol, i));
-            std::for_each(outlines_.back().begin(), outlines_.back().end(),
-                          [this](const Vec2& point) { box_.add(point); });
+            const engine::Box<2> box = engine::box_of<2>(outlines_.back());
+            box_ = i == 0 ? box : box_;
+            box_.add(box);
         }
-        const Vec2 size = box_.high - box_.low;
+        const Vec2 size = box_.size();
         scale_ = std::min((kCell - 2.0 * kPad) / size.x, kTallest / size.y);
         columns_ = std::min(kColumns, outlines_.size());
         cell_height_ = scale_ * size.y + kWords;
@@ -137,27 +125,25 @@ private:
             return px(corner.x + scale_ * (point.x - box_.low.x)) + ' ' +
                    px(corner.y + scale_ * (box_.high.y - point.y));
         };
-        std::string path;
-        for (const Vec2& point : outlines_[index]) {
-            path += path.empty() ? 'M' : 'L';
-            path += place(point);
-        }
+        const auto path_of = [&](const auto& points) {
+            std::string path;
+            for (const Vec2& point : points) {
+                path += path.empty() ? 'M' : 'L';
+                path += place(point);
+            }
+            return path;
+        };
         const std::string_view ink = colour(object.pictured ? Ink::blue : Ink::grey, 0);
         std::string out = fmt::format(
             "<path d=\"{}z\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"{}\" "
             "stroke-width=\"1.6\" stroke-linejoin=\"round\"/>\n",
-            path, ink, ink);
+            path_of(outlines_[index]), ink, ink);
         if (protocol_.surface) {
             const auto surface = protocols::surface_of(protocol_, object);
             for (const auto& line : stimuli::drawing_of(*surface).lines) {
-                std::string way;
-                for (const Vec2& point : line) {
-                    way += way.empty() ? 'M' : 'L';
-                    way += place(point);
-                }
                 out += fmt::format(
-                    "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"0.6\"/>\n", way,
-                    ink);
+                    "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"0.6\"/>\n",
+                    path_of(line), ink);
             }
         } else if (object.segments.empty()) {
             const stimuli::TwoCurve curves = object_of(protocol_, object);
@@ -195,8 +181,8 @@ private:
     const Protocol& protocol_;
     std::string_view hash_;
     std::vector<std::vector<Vec2>> outlines_;
-    Box box_;
-    double scale_ = 1.0;  ///< px/m
+    engine::Box<2> box_{};  ///< what all outlines take, m
+    double scale_ = 1.0;    ///< px/m
     std::size_t columns_ = 1;
     double cell_height_ = 0.0;
 };

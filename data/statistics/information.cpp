@@ -6,36 +6,12 @@
 #include <numbers>
 
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
 
 constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
-
-/// A place and what the share of correct answers is there beyond the one looked for.
-struct Beyond {
-    double d = 0.0;
-    double by = 0.0;
-};
-
-/// Where nothing is beyond, about, between two ends: by the secant, the weight of an end that stays
-/// halved (Illinois' rule).
-template <class At>
-double passed_near(Beyond low, Beyond high, const At& at) {
-    double before = 0.0;
-    for (int i = 0; i < 30 && low.by < 0.0 && high.by > 0.0; ++i) {
-        const Beyond next = at(high.d - high.by * (high.d - low.d) / (high.by - low.by));
-        if (std::fabs(next.by) < 1e-15) {
-            return next.d;
-        }
-        (next.by < 0.0 ? low : high) = next;
-        if (next.by * before > 0.0) {
-            (next.by < 0.0 ? high : low).by *= 0.5;
-        }
-        before = next.by;
-    }
-    return low.by < 0.0 ? high.d : low.d;
-}
 
 struct Entropy {
     double bits = 0.0;
@@ -84,26 +60,26 @@ double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t l
     if (m == 2) {
         return std::sqrt(2.0) * protocols::normal_quantile(share);
     }
-    const auto at = [share, m](double d) {
-        return Beyond{d, share_correct(d, m) - share};
+    const auto beyond = [share, m](double d) {
+        return share_correct(d, m) - share;
     };
-    Beyond low = at(-1.0);
-    Beyond high = at(1.0);
-    while (low.by > 0.0) {
-        low = at(2.0 * low.d);
+    Reading low{-1.0, beyond(-1.0)};
+    Reading high{1.0, beyond(1.0)};
+    while (low.value > 0.0) {
+        low = {2.0 * low.at, beyond(2.0 * low.at)};
     }
-    while (high.by < 0.0) {
-        high = at(2.0 * high.d);
+    while (high.value < 0.0) {
+        high = {2.0 * high.at, beyond(2.0 * high.at)};
     }
     // Halvings, of which most are decided by where it passes, about.
     constexpr double kAbout = 1e-11;
-    const double near = passed_near(low, high, at);
-    for (int i = 0; i < 60 && high.d - low.d > 1e-12; ++i) {
-        const double middle = 0.5 * (low.d + high.d);
-        const bool below = std::fabs(middle - near) > kAbout ? middle < near : at(middle).by < 0.0;
-        (below ? low : high).d = middle;
+    const double near = crossing(beyond, 0.0, low, high, 1e-15);
+    for (int i = 0; i < 60 && high.at - low.at > 1e-12; ++i) {
+        const double middle = 0.5 * (low.at + high.at);
+        const bool below = std::fabs(middle - near) > kAbout ? middle < near : beyond(middle) < 0.0;
+        (below ? low : high).at = middle;
     }
-    return 0.5 * (low.d + high.d);
+    return 0.5 * (low.at + high.at);
 }
 
 YesNo yes_no(std::int64_t hits,

@@ -114,26 +114,26 @@ std::vector<std::size_t> doubled_ranks(const std::vector<double>& sizes) {
     return ranks;
 }
 
-/// The share of patterns of signs whose sum lies as far from the middle as `sum`.
-double share_as_far(const std::vector<std::size_t>& ranks, std::size_t sum, std::size_t all) {
-    std::vector<double> chance(all + 1);
+}  // namespace
+
+double signed_sums_p(std::span<const std::size_t> sizes, std::size_t above) {
+    const std::size_t all = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
+    std::vector<double> chance(all + 1);  // of the sum of those above 0
     chance[0] = 1.0;
     std::size_t reached = 0;
-    for (const std::size_t rank : ranks) {
-        reached += rank;
+    for (const std::size_t size : sizes) {
+        reached += size;
         for (std::size_t s = reached + 1; s-- > 0;) {
-            chance[s] = 0.5 * (chance[s] + (s >= rank ? chance[s - rank] : 0.0));
+            chance[s] = 0.5 * (chance[s] + (s >= size ? chance[s - size] : 0.0));
         }
     }
-    const std::size_t lower = std::min(sum, all - sum);
+    const std::size_t lower = std::min(above, all - above);
     double p = 0.0;
     for (std::size_t s = 0; s <= all; ++s) {
         p += std::min(s, all - s) <= lower ? chance[s] : 0.0;
     }
     return std::min(p, 1.0);
 }
-
-}  // namespace
 
 double difference_of(double first, double second) {
     const double size = std::max(std::fabs(first), std::fabs(second));
@@ -257,7 +257,7 @@ SignedRank signed_rank(std::span<const double> differences) {
         return made;
     }
     const double far = std::fabs(made.v - 0.25 * static_cast<double>(all));
-    made.p = made.exact ? share_as_far(ranks, sum, all)
+    made.p = made.exact ? signed_sums_p(ranks, sum)
                         : 2.0 * protocols::normal_cdf(-far / std::sqrt(0.25 * squares));
     return made;
 }

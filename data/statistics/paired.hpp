@@ -80,6 +80,10 @@ struct SignFlip {
 /// patterns drawn with a fixed seed. Never below 2^(1 - n).
 [[nodiscard]] SignFlip sign_flip(std::span<const double> differences);
 
+/// The share of all 2^n patterns of signs of n whole numbers whose sum is as far from 0 as that of
+/// which those above 0 sum to `above`: in n times the sum of all instead of 2^n steps.
+[[nodiscard]] double signed_sums_p(std::span<const std::size_t> sizes, std::size_t above);
+
 /// The difference k2 / n2 - k1 / n1 of two shares of one person, by the square-and-add of both
 /// Wilson intervals (R. G. Newcombe, Stat. Med. 17:873, 1998, method 10). Of this person's trials,
 /// not of people.

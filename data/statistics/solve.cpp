@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -15,11 +16,6 @@ using Matrix = Eigen::MatrixXd;
 
 Eigen::Map<const Vector> vector_of(std::span<const double> v) {
     return {v.data(), static_cast<Eigen::Index>(v.size())};
-}
-
-/// Eigen reads the lower half of columns: the upper one of our rows.
-Eigen::Map<const Matrix> matrix_of(std::span<const double> a, Eigen::Index n) {
-    return {a.data(), n, n};
 }
 
 std::vector<double> numbers_of(const Matrix& m) {
@@ -133,16 +129,23 @@ Corner run(const SmoothFunction& value,
 }  // namespace
 
 std::vector<double> solve_symmetric(std::span<const double> a, std::span<const double> b) {
-    const Matrix matrix = matrix_of(a, static_cast<Eigen::Index>(b.size()));
+    const auto n = static_cast<Eigen::Index>(b.size());
+    // Eigen reads the lower half of columns: the upper one of our rows.
+    const Matrix matrix = Eigen::Map<const Matrix>(a.data(), n, n);
     const Vector x = matrix.ldlt().solve(vector_of(b));  // as a column: rounded otherwise else
     return {x.begin(), x.end()};
 }
 
-Spectrum spectrum_of(std::span<const double> a) {
-    const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(a.size())));
-    const Eigen::SelfAdjointEigenSolver<Matrix> parts{Matrix(matrix_of(a, n))};
-    return {.values = numbers_of(parts.eigenvalues()),
-            .first = numbers_of(parts.eigenvectors().row(0))};
+Nodes gauss_hermite(int count) {
+    Matrix jacobi = Matrix::Zero(count, count);
+    for (int i = 1; i < count; ++i) {
+        jacobi(i, i - 1) = jacobi(i - 1, i) = std::sqrt(0.5 * i);
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix> parts(jacobi);
+    const Vector first = parts.eigenvectors().row(0);
+    const Vector scaled = std::sqrt(std::numbers::pi) * first;
+    return {.at = numbers_of(parts.eigenvalues()),
+            .weight = numbers_of(scaled.cwiseProduct(first))};
 }
 
 Minimum minimum_near(const SmoothFunction& f, std::span<const double> start) {

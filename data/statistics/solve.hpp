@@ -16,13 +16,13 @@ namespace palpate::data {
 [[nodiscard]] std::vector<double> solve_symmetric(std::span<const double> a,
                                                   std::span<const double> b);
 
-/// Of a symmetric matrix, by rising eigenvalue.
-struct Spectrum {
-    std::vector<double> values{};
-    std::vector<double> first{};  ///< first component of each unit eigenvector, of either sign
+/// Nodes and weights of the integral of e^(-z^2) f(z) (Gauss-Hermite).
+struct Nodes {
+    std::vector<double> at{};
+    std::vector<double> weight{};
 };
-/// @param a  n x n, n > 0
-[[nodiscard]] Spectrum spectrum_of(std::span<const double> a);
+/// By Golub and Welsch (Math. Comput. 23:221, 1969). @pre 1 <= count <= 40
+[[nodiscard]] Nodes gauss_hermite(int count);
 
 /// A smooth function of a few numbers.
 using SmoothFunction = std::function<double(std::span<const double>)>;

@@ -83,16 +83,8 @@ std::int64_t create(Database& database,
     return session;
 }
 
-struct Existing {
-    std::int64_t id = 0;
-    std::int64_t study = 0;
-    std::string protocol_hash, plan_hash, kind, seed, operator_name, protocol_toml;
-    bool over = false;  ///< withdrawn, or run under another code or number
-    bool finished = false;
-};
-
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
-void note_changes(Database& database, const Existing& there, const SessionSpec& spec) {
+void note_changes(Database& database, const SessionState& there, const SessionSpec& spec) {
     const auto goes_on = [&](protocols::EventKind kind, const std::string& value) {
         add_event(database, there.id,
                   {.kind = kind, .text = "goes on with " + value, .value = value});
@@ -122,35 +114,19 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
     }
 }
 
-std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
-    Statement row = database.prepare(
-        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, finished, "
-        "coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL, "
-        "protocol_toml, study_id FROM session JOIN study USING (study_id) JOIN participant USING "
-        "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND session_number = ?3",
-        spec.protocol.id, spec.key.participant, spec.key.session);
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    return Existing{.id = row.integer(0),
-                    .study = row.integer(9),
-                    .protocol_hash = row.text(1),
-                    .plan_hash = row.text(2),
-                    .kind = row.text(3),
-                    .seed = row.text(4),
-                    .operator_name = row.text(6),
-                    .protocol_toml = row.text(8),
-                    .over = row.integer(7) != 0,
-                    .finished = row.integer(5) != 0};
+/// It was withdrawn, or run under another code or number.
+bool is_over(const SessionState& there, const SessionSpec& spec) {
+    return there.over == "was withdrawn" || there.run_as.participant != spec.key.participant ||
+           there.run_as.session != spec.key.session;
 }
 
-void require_same(const Database& database, const Existing& there, const SessionSpec& spec) {
+void require_same(const Database& database, const SessionState& there, const SessionSpec& spec) {
     const auto refuse = [&](std::string_view what, std::string_view remedy) {
         throw StoreError(fmt::format("{}: session {} of {} in {} {}; {}", database.file(),
                                      spec.key.session, spec.key.participant, spec.protocol.id, what,
                                      remedy));
     };
-    if (there.over) {
+    if (is_over(there, spec)) {
         refuse("was withdrawn, or run under another code", "begin a new session with --session");
     }
     if (there.protocol_hash != spec.protocol_hash) {
@@ -161,7 +137,7 @@ void require_same(const Database& database, const Existing& there, const Session
     }
     // The seed too: the order of a small plan can come from many seeds, the hand and the answers
     // not.
-    if (there.plan_hash != spec.plan.hash || there.seed != std::to_string(spec.seed)) {
+    if (there.plan_hash != spec.plan.hash || there.seed != spec.seed) {
         refuse(fmt::format("was begun with another plan (seed {})", there.seed),
                "give the same --seed, or begin a new session with --session");
     }
@@ -173,7 +149,7 @@ void require_same(const Database& database, const Existing& there, const Session
 }
 
 /// What was felt on one device is not to be mixed with another by accident.
-void require_same_device(Database& database, const Existing& there, const SessionSpec& spec) {
+void require_same_device(Database& database, const SessionState& there, const SessionSpec& spec) {
     const auto said = [&](std::string_view key) {
         const auto made =
             std::ranges::find(spec.provenance, key, &std::pair<std::string, std::string>::first);
@@ -184,7 +160,7 @@ void require_same_device(Database& database, const Existing& there, const Sessio
     const auto board = engine::board_id(said(protocols::kBoard));
     const auto last = engine::board_id(last_board(database, there.id));
     const bool same = before && same_rig(*before, now) && (!board || !last || board == last);
-    if (before && !same && !spec.other_device && !there.finished) {
+    if (before && !same && !spec.other_device && there.over.empty()) {
         const auto text = [](const TrialDevice& device, std::optional<std::uint32_t> id) {
             return device_text(device) + (id ? fmt::format(", the board with the id {}", *id) : "");
         };
@@ -199,14 +175,12 @@ void require_same_device(Database& database, const Existing& there, const Sessio
 /// one (another row of the counterbalance, seed, kind or version of the protocol), it is planned
 /// anew. Its events stay.
 /// @return whether it was
-bool planned_anew(Database& database, const Existing& there, const SessionSpec& spec) {
-    const bool same =
-        there.over ||
+bool planned_anew(Database& database, const SessionState& there, const SessionSpec& spec) {
+    const bool stays =
+        there.begun || is_over(there, spec) ||
         (there.protocol_hash == spec.protocol_hash && there.plan_hash == spec.plan.hash &&
-         there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind));
-    Statement trial =
-        database.prepare("SELECT 1 FROM trial WHERE session_id = ?1 LIMIT 1", there.id);
-    if (same || trial.step()) {
+         there.seed == spec.seed && there.kind == to_string(spec.kind));
+    if (stays) {
         return false;
     }
     const std::string head = chain_head(database, there.id);
@@ -246,7 +220,8 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
 }
 
 OpenedSession opened_session(Database& database, const SessionSpec& spec) {
-    const auto there = existing_session(database, spec);
+    const auto there =
+        find_session(database, spec.protocol.id, spec.key.participant, spec.key.session);
     const std::int64_t id = there ? there->id : create(database, spec);
     // Before anything changes: a trial that runs now is not interrupted.
     OpenedSession opened{.lock = SessionLock(database, id), .id = id, .resumed = there.has_value()};
@@ -257,7 +232,7 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
         require_same(database, *there, spec);
         require_same_device(database, *there, spec);
         note_changes(database, *there, spec);
-        opened.finished = there->finished;
+        opened.finished = !there->over.empty();
         opened.interrupted = mark_interrupted(database, id);
     }
     opened.progress = stored_progress(
@@ -341,7 +316,8 @@ std::optional<SessionState> find_session(Database& database,
         "WHEN finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another "
         "code' ELSE '' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = "
         "session.session_id), session_kind, coalesce(run_code, participant_code), "
-        "coalesce(run_number, session_number), plan_sha256 FROM session JOIN study USING "
+        "coalesce(run_number, session_number), plan_sha256, session.session_id, study_id, "
+        "protocol_sha256, protocol_toml, coalesce(operator, '') FROM session JOIN study USING "
         "(study_id) JOIN participant USING (participant_id) WHERE study_name = ?1 AND "
         "participant_code = ?2 AND (?3 IS NULL OR session_number = ?3) ORDER BY session_number "
         "DESC LIMIT 1",
@@ -356,7 +332,12 @@ std::optional<SessionState> find_session(Database& database,
         .begun = row.integer(4) != 0,
         .kind = row.text(5),
         .run_as = {row.text(6), static_cast<std::size_t>(row.integer(7)), row.text(3)},
-        .plan_hash = row.text(8)};
+        .plan_hash = row.text(8),
+        .id = row.integer(9),
+        .study = row.integer(10),
+        .protocol_hash = row.text(11),
+        .protocol_toml = row.text(12),
+        .operator_name = row.text(13)};
 }
 
 std::optional<OtherVersion> other_version(Database& database,

@@ -75,6 +75,11 @@ struct SessionState {
     std::string kind{};              ///< as to_string(RunKind)
     protocols::SessionKey run_as{};  ///< with which its orders were drawn
     std::string plan_hash{};
+    std::int64_t id = 0;     ///< session.session_id
+    std::int64_t study = 0;  ///< study.study_id
+    std::string protocol_hash{};
+    std::string protocol_toml{};
+    std::string operator_name{};
 };
 
 /// The participant's session of a protocol (by the protocol's id), if there is one.

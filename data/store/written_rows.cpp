@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 
@@ -224,14 +225,9 @@ void Row::bind(Statement& statement) const {
 }
 
 std::int64_t Row::insert(Database& database, std::string_view conflict) const {
-    std::string names;
-    std::string places;
-    for (const auto& [name, value] : values_) {
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-        places += places.empty() ? "?" : ", ?";
-    }
-    Statement statement = database.prepare(
-        fmt::format("INSERT INTO {} ({}) VALUES ({}) {}", table_, names, places, conflict));
+    Statement statement = database.prepare(fmt::format(
+        "INSERT INTO {} ({}) VALUES ({}) {}", table_, fmt::join(std::views::keys(values_), ", "),
+        fmt::join(std::string(values_.size(), '?'), ", "), conflict));
     bind(statement);
     statement.run();
     return database.last_row();

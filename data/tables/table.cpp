@@ -2,62 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <type_traits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "data/csv/csv_text.hpp"
-
 namespace palpate::data {
 namespace {
 
-/// In the fewest digits that read back to the same bits, inf too; empty for what is no number.
-std::string all_digits(double value) {
-    return std::isnan(value) ? "" : fmt::format("{}", value);
-}
-
-std::string field_of(const Cell& cell) {
-    if (const auto* named = std::get_if<Named>(&cell)) {
-        return named->shown;
-    }
-    if (const auto* text = std::get_if<std::string>(&cell)) {
-        return *text;
-    }
-    if (const auto* yes = std::get_if<bool>(&cell)) {
-        return *yes ? "yes" : "no";
-    }
-    if (const auto* count = std::get_if<std::int64_t>(&cell)) {
-        return fmt::format("{}", *count);
-    }
-    if (const auto* number = std::get_if<double>(&cell)) {
-        return all_digits(*number);
-    }
-    const auto* list = std::get_if<std::vector<std::string>>(&cell);
-    return list != nullptr ? fmt::format("{}", fmt::join(*list, ", ")) : std::string();
-}
-
-bool any_interval(const Table& table, std::size_t column) {
-    for (const auto& row : table.rows) {
-        if (std::holds_alternative<Interval>(row[column])) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// "interval_95" is said as low and high, "wilson_95" as wilson_low and wilson_high.
-std::string end_name(const std::string& key, const char* end) {
-    const std::string name = key.substr(0, key.find_last_of('_'));
-    return name == "interval" ? end : name + "_" + end;
-}
-
 std::vector<std::string> parts_of(const std::string& place) {
     std::vector<std::string> parts;
-    for (std::size_t at = 0; at <= place.size();) {
-        const std::size_t end = std::min(place.find('/', at), place.size());
-        parts.push_back(place.substr(at, end - at));
-        at = end + 1;
+    for (const auto& part : std::views::split(place, '/')) {
+        parts.emplace_back(part.begin(), part.end());
     }
     return parts;
 }
@@ -153,46 +110,6 @@ Cell cell_of(const std::optional<Interval>& value, std::string why) {
 
 Cell cell_of(std::size_t count) {
     return static_cast<std::int64_t>(count);
-}
-
-Fields fields_of(const Table& table) {
-    Fields fields{.names = {}, .rows = {table.rows.size(), std::vector<std::string>()}};
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        const Column& column = table.columns[i];
-        if (!column.on_page || column.key.empty()) {
-            continue;
-        }
-        const bool ends = any_interval(table, i);
-        if (ends) {
-            fields.names.push_back(end_name(column.key, "low"));
-            fields.names.push_back(end_name(column.key, "high"));
-        } else {
-            fields.names.push_back(column.key.substr(column.key.find('/') + 1));
-        }
-        for (std::size_t row = 0; row < table.rows.size(); ++row) {
-            const Cell& cell = table.rows[row][i];
-            if (ends) {
-                const auto* both = std::get_if<Interval>(&cell);
-                fields.rows[row].push_back(both != nullptr ? all_digits(both->low) : "");
-                fields.rows[row].push_back(both != nullptr ? all_digits(both->high) : "");
-            } else {
-                fields.rows[row].push_back(field_of(cell));
-            }
-        }
-    }
-    return fields;
-}
-
-std::string table_csv(const Fields& fields) {
-    std::string csv = fmt::format("{}\n", fmt::join(fields.names, ","));
-    for (const auto& row : fields.rows) {
-        for (const std::string& field : row) {
-            csv += &field == &row.front() ? "" : ",";
-            csv += field.empty() ? field : csv_field(field);
-        }
-        csv += '\n';
-    }
-    return csv;
 }
 
 OverPeople over_people(std::string what, std::span<const Score> all, bool test, bool ratio) {

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/csv/csv_text.hpp"
 #include "data/tables/table.hpp"
 
 namespace palpate::data {
@@ -47,7 +49,9 @@ std::string number_text(double value, const Column& column, double scale) {
     return fmt::format("{:.{}f}", std::fabs(value) < least ? 0.0 : value, column.digits);
 }
 
-std::string said(const Cell& cell, const Column& column, double scale) {
+/// @param number  of a double
+template <class Number>
+std::string said(const Cell& cell, const Number& number) {
     return std::visit(
         [&](const auto& value) -> std::string {
             using Kind = std::decay_t<decltype(value)>;
@@ -56,10 +60,9 @@ std::string said(const Cell& cell, const Column& column, double scale) {
             } else if constexpr (std::is_same_v<Kind, Named>) {
                 return value.shown;
             } else if constexpr (std::is_same_v<Kind, Interval>) {
-                return number_text(value.low, column, scale) + " to " +
-                       number_text(value.high, column, scale);
+                return number(value.low) + " to " + number(value.high);
             } else if constexpr (std::is_same_v<Kind, double>) {
-                return number_text(value, column, scale);
+                return number(value);
             } else if constexpr (std::is_same_v<Kind, bool>) {
                 return value ? "yes" : "no";
             } else if constexpr (std::is_same_v<Kind, std::vector<std::string>>) {
@@ -69,6 +72,27 @@ std::string said(const Cell& cell, const Column& column, double scale) {
             }
         },
         cell);
+}
+
+/// In the fewest digits that read back to the same bits, inf too; empty for what is no number.
+std::string all_digits(double value) {
+    return std::isnan(value) ? "" : fmt::format("{}", value);
+}
+
+std::string field_of(const Cell& cell) {
+    return std::holds_alternative<Nothing>(cell) ? std::string() : said(cell, all_digits);
+}
+
+bool any_interval(const Table& table, std::size_t column) {
+    return std::ranges::any_of(table.rows, [column](const auto& row) {
+        return std::holds_alternative<Interval>(row[column]);
+    });
+}
+
+/// "interval_95" is said as low and high, "wilson_95" as wilson_low and wilson_high.
+std::string end_name(const std::string& key, const char* end) {
+    const std::string name = key.substr(0, key.find_last_of('_'));
+    return name == "interval" ? end : name + "_" + end;
 }
 
 /// Whether any row has something to say there.
@@ -89,10 +113,13 @@ bool is_text(const Table& table, std::size_t column) {
 
 std::string text_of(const Table& table, std::size_t row, std::size_t column) {
     const Cell& cell = table.rows[row][column];
+    const double scale = scale_of(table.rows[row]);
     const auto* none = std::get_if<Nothing>(&cell);
     return none != nullptr && none->why.empty() && table.columns[column].words == " "
              ? std::string()  // a column without a head says nothing of nothing
-             : plain(said(cell, table.columns[column], scale_of(table.rows[row])));
+             : plain(said(cell, [&](double value) {
+                   return number_text(value, table.columns[column], scale);
+               }));
 }
 
 /// Heads first; what names a row and stands in the line above, as all to its left does, is not said
@@ -170,6 +197,46 @@ std::string table_text(const Table& table) {
         text += fmt::format("  {}\n", note);
     }
     return text;
+}
+
+Fields fields_of(const Table& table) {
+    Fields fields{.names = {}, .rows = {table.rows.size(), std::vector<std::string>()}};
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        const Column& column = table.columns[i];
+        if (!column.on_page || column.key.empty()) {
+            continue;
+        }
+        const bool ends = any_interval(table, i);
+        if (ends) {
+            fields.names.push_back(end_name(column.key, "low"));
+            fields.names.push_back(end_name(column.key, "high"));
+        } else {
+            fields.names.push_back(column.key.substr(column.key.find('/') + 1));
+        }
+        for (std::size_t row = 0; row < table.rows.size(); ++row) {
+            const Cell& cell = table.rows[row][i];
+            if (ends) {
+                const auto* both = std::get_if<Interval>(&cell);
+                fields.rows[row].push_back(both != nullptr ? all_digits(both->low) : "");
+                fields.rows[row].push_back(both != nullptr ? all_digits(both->high) : "");
+            } else {
+                fields.rows[row].push_back(field_of(cell));
+            }
+        }
+    }
+    return fields;
+}
+
+std::string table_csv(const Fields& fields) {
+    std::string csv = fmt::format("{}\n", fmt::join(fields.names, ","));
+    for (const auto& row : fields.rows) {
+        for (const std::string& field : row) {
+            csv += &field == &row.front() ? "" : ",";
+            csv += field.empty() ? field : csv_field(field);
+        }
+        csv += '\n';
+    }
+    return csv;
 }
 
 }  // namespace palpate::data

@@ -155,16 +155,8 @@ static_assert(total_bytes() == sizeof(TickRecord), "a field of TickRecord has no
 
 constexpr StoredColumn whole(
     std::string_view name, std::string_view unit, double scale, Rule rule, std::size_t size) {
-    return {.name = name,
-            .type = size == 8 ? "i64le"
-                  : size == 4 ? "i32le"
-                              : "u8",
-            .unit = unit,
-            .scale = scale,
-            .rule = rule,
-            .part = 0,
-            .size = size,
-            .offset = 0};
+    const std::string_view type = size == 8 ? "i64le" : size == 4 ? "i32le" : "u8";
+    return {name, type, unit, scale, rule, 0, size, 0};
 }
 
 constexpr StoredColumn exact(std::string_view name,
@@ -173,14 +165,7 @@ constexpr StoredColumn exact(std::string_view name,
                              std::size_t offset,
                              std::string_view type = "f64le",
                              std::size_t size = 8) {
-    return {.name = name,
-            .type = type,
-            .unit = unit,
-            .scale = 1.0,
-            .rule = Rule::exact,
-            .part = part,
-            .size = size,
-            .offset = offset};
+    return {name, type, unit, 1.0, Rule::exact, part, size, offset};
 }
 
 constexpr std::array kStored{

@@ -33,8 +33,6 @@ std::size_t index_of(const List& list, const std::string& name, std::string_view
     return static_cast<std::size_t>(found - list.begin());
 }
 
-using engine::TickRecord;
-
 template <class T>
 bool same(const T& a, const T& b) noexcept {
     return std::memcmp(&a, &b, sizeof a) == 0;

@@ -68,11 +68,22 @@ public:
     }
     /// No value for a column that the file does not have: as for NULL.
     [[nodiscard]] const Value& at(std::string_view column) const;
-    [[nodiscard]] bool null(std::string_view column) const;
+    [[nodiscard]] bool null(std::string_view column) const {
+        return std::holds_alternative<std::monostate>(at(column));
+    }
     /// 0 or "" for a value of another type: SQLite's own types are checked by STRICT.
-    [[nodiscard]] std::int64_t integer(std::string_view column) const;
-    [[nodiscard]] double real(std::string_view column) const;
-    [[nodiscard]] std::string text(std::string_view column) const;
+    template <class T>
+    [[nodiscard]] T as(std::string_view column) const {
+        const T* found = std::get_if<T>(&at(column));
+        return found == nullptr ? T{} : *found;
+    }
+    [[nodiscard]] std::int64_t integer(std::string_view column) const {
+        return as<std::int64_t>(column);
+    }
+    [[nodiscard]] double real(std::string_view column) const { return as<double>(column); }
+    [[nodiscard]] std::string text(std::string_view column) const {
+        return as<std::string>(column);
+    }
 
 private:
     std::map<std::string, Value, std::less<>> values_;

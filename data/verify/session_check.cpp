@@ -6,9 +6,7 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
-#include "engine/realtime/felt_scene.hpp"
 #include "protocols/design/counterbalance.hpp"
-#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/observer_file.hpp"

@@ -135,12 +135,6 @@ constexpr const char* kSessions =
     "session LEFT JOIN study USING (study_id) LEFT JOIN participant USING (participant_id) ORDER "
     "BY session.session_id";
 
-template <class T>
-T as(const Value& value) {
-    const T* found = std::get_if<T>(&value);
-    return found == nullptr ? T{} : *found;
-}
-
 /// Bytes are none: chunks are checked as ticks.
 Value value_of(const ColumnValue& made) {
     return std::visit(
@@ -194,19 +188,6 @@ const Value& StoredRow::at(std::string_view column) const {
     static const Value none;
     const auto found = values_.find(column);
     return found == values_.end() ? none : found->second;
-}
-
-bool StoredRow::null(std::string_view column) const {
-    return std::holds_alternative<std::monostate>(at(column));
-}
-std::int64_t StoredRow::integer(std::string_view column) const {
-    return as<std::int64_t>(at(column));
-}
-double StoredRow::real(std::string_view column) const {
-    return as<double>(at(column));
-}
-std::string StoredRow::text(std::string_view column) const {
-    return as<std::string>(at(column));
 }
 
 std::vector<StoredRow> rows_of(Database& database,

@@ -68,16 +68,20 @@ void run(data::Database& database,
     }
 }
 
-Words rules_of(const data::Exclusions& exclusions, const std::string& code) {
+Words rules_of(const data::LeftOut& account, const std::string& code) {
     Words rules;
-    for (const data::Judgement& one : exclusions.all) {
-        for (const std::string& rule : one.broken) {
-            if (one.participant == code) {
-                rules.push_back(rule.substr(0, rule.find(':')));
-            }
+    for (const auto& [person, rule] : account.broken) {
+        if (person == code) {
+            rules.push_back(rule.substr(0, rule.find(':')));
         }
     }
     return rules;
+}
+
+data::LeftOut judged(data::Database& database,
+                     const char* study = "small",
+                     const char* kind = "real") {
+    return data::left_out_of(database, study, kind, true);
 }
 
 }  // namespace
@@ -97,9 +101,9 @@ TEST_CASE(
     run(database, protocol, "GONE", {.finishes = false});
     run(database, protocol, "BOTH", {.correct = 0.25, .catches = 0.0});
     run(database, protocol, "SIM", {.correct = 0.0}, data::RunKind::simulated);
-    const data::Exclusions real = data::judge(database, "small", "real");
+    const data::LeftOut real = judged(database);
     CHECK(real.rules);
-    CHECK(real.all.size() == 8);
+    CHECK(real.in_file.people == 8);
     CHECK(rules_of(real, "GOOD").empty());
     CHECK(rules_of(real, "EDGE").empty());
     CHECK(rules_of(real, "CATCH") == List{"catch_correct_min"});
@@ -108,22 +112,21 @@ TEST_CASE(
     CHECK(rules_of(real, "SHORT") == List{"invalid_share_max"});
     CHECK(rules_of(real, "GONE") == List{"sessions_finished"});
     CHECK(rules_of(real, "BOTH") == List{"catch_correct_min", "share_correct_min"});
-    CHECK(rules_of(data::judge(database, "small", "simulated"), "SIM") ==
-          List{"share_correct_min"});
-    CHECK(data::judge(database, "other", "real").all.empty());
+    CHECK(rules_of(judged(database, "small", "simulated"), "SIM") == List{"share_correct_min"});
+    CHECK(judged(database, "other").in_file.people == 0);
 }
 
 TEST_CASE("answers that are neither right nor wrong are in no share of right ones") {
     NewDatabase database;
     const protocols::Protocol protocol = study();
     run(database, protocol, "HALF", {.correct = 11.0 / 24.0});
-    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").size() == 1);
+    CHECK(rules_of(judged(database), "HALF").size() == 1);
     const std::string wrong =
         "(SELECT trial_id FROM analysis_trial WHERE phase = 'main' AND correct = 0 LIMIT ";
     database.run("UPDATE response SET correct = NULL WHERE trial_id IN " + wrong + "2)");
-    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").empty());  // 11 of 22
+    CHECK(rules_of(judged(database), "HALF").empty());  // 11 of 22
     database.run("UPDATE response SET correct = NULL");
-    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").empty());
+    CHECK(rules_of(judged(database), "HALF").empty());
 }
 
 TEST_CASE("without rules of exclusion the summary says nothing of them") {
@@ -131,6 +134,6 @@ TEST_CASE("without rules of exclusion the summary says nothing of them") {
     protocols::Protocol protocol = study();
     protocol.exclusion = {};
     run(database, protocol, "P1", {.correct = 0.0, .finishes = false});
-    CHECK_FALSE(data::judge(database, "small", "real").rules);
+    CHECK_FALSE(judged(database).rules);
     CHECK(data::summary_text(database).find("exclusion") == std::string::npos);
 }
