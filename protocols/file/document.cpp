@@ -31,8 +31,7 @@ Table table_of(const toml::table& from) {
         table.push_back({std::string(key.str()), position_of(key.source()), value_of(node)});
     }
     // The library sorts by name.
-    std::stable_sort(table.begin(), table.end(),
-                     [](const Entry& a, const Entry& b) { return a.at < b.at; });
+    std::ranges::stable_sort(table, [](const Entry& a, const Entry& b) { return a.at < b.at; });
     return table;
 }
 
@@ -139,7 +138,7 @@ private:
 
     [[nodiscard]] Position position() const {
         const std::string_view before = text_.substr(0, at_);
-        const auto lines = std::count(before.begin(), before.end(), '\n');
+        const auto lines = std::ranges::count(before, '\n');
         return {static_cast<std::size_t>(lines) + 1, at_ - before.rfind('\n')};
     }
 
@@ -232,7 +231,7 @@ Table parse_document(std::string_view text, std::string_view file_name) {
     } catch (const toml::parse_error& error) {
         const Position at = position_of(error.source());
         std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');
+        std::ranges::replace(what, '\n', ' ');
         throw ProtocolError(fmt::format("{}:{}:{}: not TOML: {}; see https://toml.io", file_name,
                                         at.line, at.column, what));
     }
