@@ -243,22 +243,16 @@ TextPieces::TextPieces(const std::filesystem::path& file, std::size_t max)
     if (std::filesystem::is_directory(file, error)) {
         throw unreadable(file_, "it is a folder");
     }
-    fd_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (fd_ < 0) {
+    text_ = Descriptor(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+    if (text_.get() < 0) {
         throw unreadable(file_, std::generic_category().message(errno));
-    }
-}
-
-TextPieces::~TextPieces() {
-    if (fd_ >= 0) {
-        ::close(fd_);
     }
 }
 
 bool TextPieces::next(std::string& text) {
     const std::size_t before = text.size();
     for (bool end = false; !end && text.size() == before;) {
-        if (const std::string why = read_more(fd_, text, end); !why.empty()) {
+        if (const std::string why = read_more(text_.get(), text, end); !why.empty()) {
             throw unreadable(file_, why);
         }
     }

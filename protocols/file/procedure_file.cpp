@@ -376,8 +376,4 @@ std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problem
     return FileReader(file, problems, places).rule();
 }
 
-Procedure load_procedure(const std::filesystem::path& file) {
-    return parse_procedure(read_text(file, kMaxDocument), file.string());
-}
-
 }  // namespace palpate::protocols

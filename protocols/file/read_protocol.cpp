@@ -222,8 +222,4 @@ Protocol stored_protocol(std::string_view text) {
     return parse_protocol(text, "study.protocol_toml");
 }
 
-Protocol load_protocol(const std::filesystem::path& file) {
-    return parse_protocol(read_text(file, kMaxDocument), file.string());
-}
-
 }  // namespace palpate::protocols
