@@ -55,10 +55,9 @@ std::optional<double> curvature_of(const ObjectSpec& object) noexcept {
 }
 
 bool differ_in_curvature_alone(const Protocol& protocol) noexcept {
-    return !protocol.surface &&
-           std::all_of(protocol.objects.begin(), protocol.objects.end(), [](const ObjectSpec& one) {
-               return one.segments.empty() && one.pose() == stimuli::Pose{};
-           });
+    return !protocol.surface && std::ranges::all_of(protocol.objects, [](const ObjectSpec& one) {
+        return one.segments.empty() && one.pose() == stimuli::Pose{};
+    });
 }
 
 }  // namespace palpate::protocols

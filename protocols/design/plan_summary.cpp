@@ -88,9 +88,8 @@ double choice_seconds(const Protocol& protocol) noexcept {
 Duration duration_of(const Plan& plan, const Protocol& protocol) {
     const TimingSpec& timing = protocol.timing;
     const auto trials = static_cast<double>(plan.trials.size());
-    const auto breaks = static_cast<double>(
-        std::count_if(plan.trials.begin(), plan.trials.end(),
-                      [](const PlannedTrial& trial) { return trial.break_before; }));
+    const auto breaks = static_cast<double>(std::ranges::count_if(
+        plan.trials, [](const PlannedTrial& trial) { return trial.break_before; }));
     const auto intervals = static_cast<double>(intervals_of(protocol));
     const double with_feedback = protocol.response.feedback == Feedback::all ? trials
                                : protocol.response.feedback == Feedback::practice

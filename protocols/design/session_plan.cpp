@@ -78,9 +78,8 @@ void refuse(const Protocol& protocol) {
     refuse_if(design.blocks == 0 || design.repetitions % design.blocks != 0,
               "{} cannot be divided evenly into {}: give a divisor",
               counted(design.repetitions, "repetition"), counted(design.blocks, "block"));
-    if (const std::string why = why_not_in_blocks(protocol); !why.empty()) {
-        throw std::invalid_argument(why);
-    }
+    const std::string why = why_not_in_blocks(protocol);
+    refuse_if(!why.empty(), "{}", why);
     refuse_if(
         design.order == OrderRule::first_order &&
             (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0),

@@ -97,8 +97,8 @@ RigRecord read_record(TableReader& table, bool straight) {
 
 void keep(TableReader& table, Calibration calibration, std::vector<Calibration>& found) {
     const std::string& name = calibration.name();
-    if (std::any_of(found.begin(), found.end(),
-                    [&](const Calibration& other) { return other.name() == name; })) {
+    if (std::ranges::any_of(found,
+                            [&](const Calibration& other) { return other.name() == name; })) {
         table.refuse(
             "name", fmt::format("two machines are called {}: give each its own name", shown(name)));
     }

@@ -118,10 +118,6 @@ DeformationCase parse_deformation(std::string_view text, std::string_view file_n
     return std::move(found).value();
 }
 
-DeformationCase load_deformation(const std::filesystem::path& file) {
-    return parse_deformation(read_text(file, kMaxDocument), file.string());
-}
-
 std::vector<TableText> deformation_reference() {
     return {{.heading = "the case", .keys = kCase}};
 }

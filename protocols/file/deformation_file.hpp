@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 #include <vector>
 
@@ -22,9 +21,6 @@ struct DeformationCase {
 
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
 [[nodiscard]] DeformationCase parse_deformation(std::string_view text, std::string_view file_name);
-
-/// parse_deformation of a file's text. @throws ProtocolError also if the file cannot be read
-[[nodiscard]] DeformationCase load_deformation(const std::filesystem::path& file);
 
 /// What a case may say.
 [[nodiscard]] std::vector<TableText> deformation_reference();

@@ -31,8 +31,7 @@ Table table_of(const toml::table& from) {
         table.push_back({std::string(key.str()), position_of(key.source()), value_of(node)});
     }
     // The library sorts by name.
-    std::stable_sort(table.begin(), table.end(),
-                     [](const Entry& a, const Entry& b) { return a.at < b.at; });
+    std::ranges::stable_sort(table, [](const Entry& a, const Entry& b) { return a.at < b.at; });
     return table;
 }
 
@@ -139,7 +138,7 @@ private:
 
     [[nodiscard]] Position position() const {
         const std::string_view before = text_.substr(0, at_);
-        const auto lines = std::count(before.begin(), before.end(), '\n');
+        const auto lines = std::ranges::count(before, '\n');
         return {static_cast<std::size_t>(lines) + 1, at_ - before.rfind('\n')};
     }
 
@@ -232,7 +231,7 @@ Table parse_document(std::string_view text, std::string_view file_name) {
     } catch (const toml::parse_error& error) {
         const Position at = position_of(error.source());
         std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');
+        std::ranges::replace(what, '\n', ' ');
         throw ProtocolError(fmt::format("{}:{}:{}: not TOML: {}; see https://toml.io", file_name,
                                         at.line, at.column, what));
     }
@@ -244,22 +243,16 @@ TextPieces::TextPieces(const std::filesystem::path& file, std::size_t max)
     if (std::filesystem::is_directory(file, error)) {
         throw unreadable(file_, "it is a folder");
     }
-    fd_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (fd_ < 0) {
+    text_ = Descriptor(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+    if (text_.get() < 0) {
         throw unreadable(file_, std::generic_category().message(errno));
-    }
-}
-
-TextPieces::~TextPieces() {
-    if (fd_ >= 0) {
-        ::close(fd_);
     }
 }
 
 bool TextPieces::next(std::string& text) {
     const std::size_t before = text.size();
     for (bool end = false; !end && text.size() == before;) {
-        if (const std::string why = read_more(fd_, text, end); !why.empty()) {
+        if (const std::string why = read_more(text_.get(), text, end); !why.empty()) {
             throw unreadable(file_, why);
         }
     }

@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/base/descriptor.hpp"
+
 /// A TOML file as a plain tree with positions. Only document.cpp knows the TOML library.
 namespace palpate::protocols {
 
@@ -83,9 +85,6 @@ class TextPieces {
 public:
     /// @throws as read_text(), as next() does
     explicit TextPieces(const std::filesystem::path& file, std::size_t max = kMaxText);
-    TextPieces(const TextPieces&) = delete;
-    TextPieces& operator=(const TextPieces&) = delete;
-    ~TextPieces();
 
     /// The next piece, appended to `text`. @return false at the end
     [[nodiscard]] bool next(std::string& text);
@@ -94,7 +93,7 @@ private:
     std::string file_;
     std::size_t max_;
     std::size_t read_ = 0;  ///< bytes
-    int fd_ = -1;
+    Descriptor text_{};
 };
 
 }  // namespace palpate::protocols

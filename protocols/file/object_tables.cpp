@@ -79,7 +79,7 @@ std::string name_of(double curvature) {
     if (number.back() == '.') {
         number.pop_back();
     }
-    std::replace(number.begin(), number.end(), '.', '_');
+    std::ranges::replace(number, '.', '_');
     return number == "0" ? "straight"
                          : fmt::format("{}_{}", curvature > 0.0 ? "convex" : "concave", number);
 }
@@ -116,7 +116,7 @@ void read_ladder(TableReader& table, SetTable& set) {
 SetTable read_set_table(TableReader& table) {
     SetTable set;
     table.read(kSet, &set);
-    const bool named = std::all_of(set.prefix.begin(), set.prefix.end(), [](char c) {
+    const bool named = std::ranges::all_of(set.prefix, [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     });
     constexpr std::size_t kLongest = 32;

@@ -132,7 +132,7 @@ private:
         }
         used.insert(used.end(), {"format", "procedure", "stream"});
         for (const Entry& entry : file_) {
-            if (std::find(used.begin(), used.end(), entry.key) == used.end()) {
+            if (std::ranges::find(used, entry.key) == used.end()) {
                 problems_.add(entry.at, fmt::format("this kind of procedure has no {}{}",
                                                     shown(entry.key), suggestion(entry.key, used)));
             }
@@ -259,8 +259,8 @@ private:
         std::vector<Key> keys;
         AxesTable read;
         for (const std::string& name : names) {
-            const auto key = std::find_if(all.begin(), all.end(),
-                                          [&](const Key& one) { return one.name == name; });
+            const auto key =
+                std::ranges::find_if(all, [&](const Key& one) { return one.name == name; });
             keys.push_back(*key);
             keys.back().need = Need::required;
         }
@@ -374,10 +374,6 @@ Procedure parse_procedure(std::string_view text, std::string_view file_name) {
 
 std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems, Places& places) {
     return FileReader(file, problems, places).rule();
-}
-
-Procedure load_procedure(const std::filesystem::path& file) {
-    return parse_procedure(read_text(file, kMaxDocument), file.string());
 }
 
 }  // namespace palpate::protocols

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,9 +20,6 @@ namespace palpate::protocols {
 /// @param file_name  for messages only
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
 [[nodiscard]] Procedure parse_procedure(std::string_view text, std::string_view file_name);
-
-/// parse_procedure of a file's text. @throws ProtocolError also if the file cannot be read
-[[nodiscard]] Procedure load_procedure(const std::filesystem::path& file);
 
 /// All keys for people: table, key, range, default, meaning; one line a key, tables as headings.
 [[nodiscard]] std::string procedure_key_reference();

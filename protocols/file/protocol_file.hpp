@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +25,6 @@ namespace palpate::protocols {
 
 /// parse_protocol() of a text that a database keeps.
 [[nodiscard]] Protocol stored_protocol(std::string_view text);
-
-/// parse_protocol of a file's text. @throws ProtocolError also if the file cannot be read
-[[nodiscard]] Protocol load_protocol(const std::filesystem::path& file);
 
 /// The canonical text: every key, in the order of the key table, numbers as short as they can be
 /// without changing the value. Sets of objects are written out.

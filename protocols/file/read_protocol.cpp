@@ -72,8 +72,7 @@ private:
 
     void refuse_unknown() {
         for (const Entry& entry : file_) {
-            if (std::find(kTablesOfProtocols.begin(), kTablesOfProtocols.end(), entry.key) ==
-                kTablesOfProtocols.end()) {
+            if (std::ranges::find(kTablesOfProtocols, entry.key) == kTablesOfProtocols.end()) {
                 problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
                                                     suggestion(entry.key, kTablesOfProtocols)));
             }
@@ -141,7 +140,7 @@ private:
     }
 
     void texts(const Entry& language, Protocol& protocol) {
-        const auto known = std::find(kLanguages.begin(), kLanguages.end(), language.key);
+        const auto known = std::ranges::find(kLanguages, language.key);
         const auto* texts = std::get_if<Table>(&language.value.data);
         if (texts == nullptr) {
             problems_.add(language.at,
@@ -221,10 +220,6 @@ Protocol parse_protocol(std::string_view text, std::string_view file_name) {
 
 Protocol stored_protocol(std::string_view text) {
     return parse_protocol(text, "study.protocol_toml");
-}
-
-Protocol load_protocol(const std::filesystem::path& file) {
-    return parse_protocol(read_text(file, kMaxDocument), file.string());
 }
 
 }  // namespace palpate::protocols

@@ -17,26 +17,22 @@ bool on_one_line(char c) {
 
 bool is_name(std::string_view text) {
     constexpr std::size_t kLongest = 64;
-    return !text.empty() && text.size() <= kLongest &&
-           std::all_of(text.begin(), text.end(), [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-           });
+    return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
 }
 
 bool is_free_text(std::string_view text) {
     constexpr std::size_t kLongest = 200;
-    return !text.empty() && text.size() <= kLongest &&
-           std::all_of(text.begin(), text.end(), on_one_line);
+    return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, on_one_line);
 }
 
 /// Lines end with \n alone; each is free text, or empty to leave room.
 bool is_instruction(std::string_view text) {
     return text.size() <= kMaxInstruction &&
-           std::count(text.begin(), text.end(), '\n') <
-               static_cast<std::ptrdiff_t>(kMaxInstructionLines) &&
-           std::any_of(text.begin(), text.end(), [](char c) { return c != ' ' && c != '\n'; }) &&
-           std::all_of(text.begin(), text.end(),
-                       [](char c) { return c == '\n' || on_one_line(c); });
+           std::ranges::count(text, '\n') < static_cast<std::ptrdiff_t>(kMaxInstructionLines) &&
+           std::ranges::any_of(text, [](char c) { return c != ' ' && c != '\n'; }) &&
+           std::ranges::all_of(text, [](char c) { return c == '\n' || on_one_line(c); });
 }
 
 /// Integers are numbers, too.
@@ -102,7 +98,7 @@ public:
             wrong_kind(range_of(key_));
             return;
         }
-        const auto found = std::find(out.words.begin(), out.words.end(), *text);
+        const auto found = std::ranges::find(out.words, *text);
         if (found == out.words.end()) {
             say(fmt::format("{} is {}, give {}{}", key_.name, shown(*text), range_of(key_),
                             suggestion(*text, out.words, "")));

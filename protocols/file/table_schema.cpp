@@ -1,6 +1,7 @@
 #include "protocols/file/table_schema.hpp"
 
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -153,11 +154,8 @@ Json says(std::string_view key, const Names& words, bool or_none) {
 }
 
 Names names_of(Keys keys) {
-    Names names;
-    for (const Key& key : keys) {
-        names.push_back(key.name);
-    }
-    return names;
+    const auto names = std::views::transform(keys, &Key::name);
+    return {names.begin(), names.end()};
 }
 
 Names required_of(Keys keys) {

@@ -244,7 +244,7 @@ std::size_t SimulatedObserver::best_fit(Pcg32& random) {
     for (double& misfit : misfits) {
         misfit += blur * normal_draw(random);
     }
-    const auto best = std::min_element(misfits.begin(), misfits.end());
+    const auto best = std::ranges::min_element(misfits);
     double second = std::numeric_limits<double>::infinity();
     for (auto other = misfits.begin(); other != misfits.end(); ++other) {
         second = other == best ? second : std::min(second, *other);
@@ -254,9 +254,9 @@ std::size_t SimulatedObserver::best_fit(Pcg32& random) {
 }
 
 std::size_t SimulatedObserver::nearest_place(double curvature) const noexcept {
-    const auto nearest = std::min_element(
-        curvatures_.begin(), curvatures_.end(),
-        [&](double a, double b) { return std::fabs(a - curvature) < std::fabs(b - curvature); });
+    const auto nearest = std::ranges::min_element(curvatures_, [&](double a, double b) {
+        return std::fabs(a - curvature) < std::fabs(b - curvature);
+    });
     return static_cast<std::size_t>(nearest - curvatures_.begin());
 }
 

@@ -19,8 +19,7 @@ std::vector<std::size_t> levels_of(std::span<const Condition> trials,
 }
 
 std::size_t place_in(const std::vector<std::size_t>& levels, std::size_t level) {
-    return static_cast<std::size_t>(std::lower_bound(levels.begin(), levels.end(), level) -
-                                    levels.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(levels, level) - levels.begin());
 }
 
 Natural choose(std::size_t n, std::size_t k) {
@@ -265,8 +264,7 @@ std::vector<std::size_t> counts_of(std::span<const Condition> trials,
 }
 
 bool binds(std::span<const std::size_t> counts, std::size_t limit) noexcept {
-    return limit > 0 &&
-           std::any_of(counts.begin(), counts.end(), [&](std::size_t n) { return n > limit; });
+    return limit > 0 && std::ranges::any_of(counts, [&](std::size_t n) { return n > limit; });
 }
 
 Natural count_orders(std::span<const std::size_t> counts, std::size_t limit) {

@@ -66,7 +66,7 @@ bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, 
     if (counts.empty()) {
         return false;
     }
-    const auto least = static_cast<double>(*std::min_element(counts.begin(), counts.end()));
+    const auto least = static_cast<double>(*std::ranges::min_element(counts));
     double heaps = 1.0;
     for (std::size_t i = 1; i <= counts.size(); ++i) {
         heaps *= (least + static_cast<double>(i)) / static_cast<double>(i);
@@ -102,7 +102,7 @@ std::vector<OrderWay> OrderSampler::by_rarity() const {
     // What is left to chance: the limit of the factor that is dealt, or the table.
     std::vector<std::pair<std::size_t, OrderWay>> chances = {
         {object, friction_counted}, {friction, object_counted}, {rarity_of_table(trials_), apart}};
-    std::sort(chances.begin(), chances.end());
+    std::ranges::sort(chances);
     std::vector<OrderWay> ways;
     for (const auto& [rarity, way] : chances) {
         constexpr std::size_t kHopeless = 32;
@@ -158,7 +158,7 @@ bool OrderSampler::can(OrderWay way) {
 }
 
 OrderWay OrderSampler::first_way() {
-    return *std::find_if(ways_.begin(), ways_.end(), [&](OrderWay way) { return can(way); });
+    return *std::ranges::find_if(ways_, [&](OrderWay way) { return can(way); });
 }
 
 ConstrainedOrder OrderSampler::draw(Pcg32& random) {

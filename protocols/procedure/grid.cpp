@@ -169,9 +169,8 @@ Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)), strides_(axes_.size
     refuse_if(axes_.empty(), "the grid has no axis: give at least one");
     for (std::size_t k = axes_.size(); k-- > 0;) {
         check(axes_[k]);
-        const auto same = std::count_if(axes_.begin(), axes_.end(), [this, k](const Axis& other) {
-            return other.name == axes_[k].name;
-        });
+        const auto same = std::ranges::count_if(
+            axes_, [this, k](const Axis& other) { return other.name == axes_[k].name; });
         refuse_if(same > 1, "two axes are called {}: give each its own name", axes_[k].name);
         strides_[k] = size_;
         refuse_if(axes_[k].values.size() > kMaxCells / size_,
@@ -197,7 +196,7 @@ std::size_t Grid::cell_at(std::span<const double> point) const {
         const std::vector<double>& values = axes_[k].values;
         const double slack = 1e-9 * std::max({values.back() - values.front(),
                                               std::fabs(values.front()), std::fabs(values.back())});
-        const auto near = std::lower_bound(values.begin(), values.end(), point[k] - slack);
+        const auto near = std::ranges::lower_bound(values, point[k] - slack);
         refuse_if(near == values.end() || !(std::fabs(*near - point[k]) <= slack),
                   "{} is {}, which is none of its {} values from {} to {}: give one of them, or "
                   "add it to the configuration",

@@ -136,7 +136,7 @@ std::string Procedure::state_hash() const {
 namespace {
 
 RuleFacts facts(const ConstantStimuliSpec& spec) {
-    const auto [least, max] = std::minmax_element(spec.values.begin(), spec.values.end());
+    const auto [least, max] = std::ranges::minmax_element(spec.values);
     return {.trials = spec.values.size() * spec.repetitions,
             .lowest = *least,
             .highest = *max,

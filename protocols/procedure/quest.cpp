@@ -131,8 +131,7 @@ double Quest::mean() const noexcept {
 }
 
 double Quest::mode() const noexcept {
-    return at(static_cast<std::size_t>(std::max_element(weights_.begin(), weights_.end()) -
-                                       weights_.begin()));
+    return at(static_cast<std::size_t>(std::ranges::max_element(weights_) - weights_.begin()));
 }
 
 double Quest::quantile(double order) const noexcept {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -149,10 +150,10 @@ std::vector<double> expected_entropies(const LikelihoodTable& table,
 }
 
 std::size_t first_of_least(std::span<const double> entropies) noexcept {
-    const double least = *std::min_element(entropies.begin(), entropies.end());
+    const double least = *std::ranges::min_element(entropies);
     const double max = least + kSame * std::max(1.0, std::fabs(least));
-    const auto first = std::find_if(entropies.begin(), entropies.end(),
-                                    [max](double entropy) { return entropy <= max; });
+    const auto first =
+        std::ranges::find_if(entropies, [max](double entropy) { return entropy <= max; });
     return static_cast<std::size_t>(first - entropies.begin());
 }
 
@@ -189,11 +190,8 @@ bool QuestPlus::finished() const noexcept {
 }
 
 std::vector<std::string> QuestPlus::stimulus_names() const {
-    std::vector<std::string> names;
-    for (const Axis& axis : table_->stimuli().axes()) {
-        names.push_back(axis.name);
-    }
-    return names;
+    const auto names = std::views::transform(table_->stimuli().axes(), &Axis::name);
+    return {names.begin(), names.end()};
 }
 
 std::vector<Estimate> QuestPlus::estimates() const {
@@ -300,9 +298,9 @@ std::vector<double> Posterior::mean(const Grid& grid) const {
 }
 
 std::vector<double> Posterior::mode(const Grid& grid) const {
-    const double max = *std::max_element(weights_.begin(), weights_.end());
-    const auto first = std::find_if(weights_.begin(), weights_.end(),
-                                    [max](double w) { return w >= max * (1.0 - kSame); });
+    const double max = *std::ranges::max_element(weights_);
+    const auto first =
+        std::ranges::find_if(weights_, [max](double w) { return w >= max * (1.0 - kSame); });
     return grid.point(static_cast<std::size_t>(first - weights_.begin()));
 }
 

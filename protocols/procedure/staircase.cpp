@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -207,11 +208,8 @@ bool Staircases::finished() const noexcept {
 }
 
 std::vector<Estimate> Staircases::estimates() const {
-    std::vector<Estimate> estimates;
-    for (const Staircase& track : tracks_) {
-        estimates.push_back(track.estimate());
-    }
-    return estimates;
+    const auto estimates = std::views::transform(tracks_, &Staircase::estimate);
+    return {estimates.begin(), estimates.end()};
 }
 
 std::string Staircases::state_hash() const {

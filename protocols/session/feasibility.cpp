@@ -128,8 +128,7 @@ void check_workspace(const Protocol& protocol,
                      bool start_in_reach,
                      std::vector<Finding>& findings) {
     const bool space = protocol.surface.has_value();
-    const auto outside =
-        std::find_if(spots.begin(), spots.end(), [](const Spot& spot) { return !spot.force; });
+    const auto outside = std::ranges::find_if(spots, [](const Spot& spot) { return !spot.force; });
     if (outside != spots.end()) {
         findings.push_back(
             {Verdict::refuse,

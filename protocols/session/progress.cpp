@@ -53,7 +53,7 @@ std::size_t outcome_of(const Protocol& protocol,
             return response.place + 1 == planned.adaptive->comparison ? 1 : 0;
         case ResponseKind::identification: {
             const std::vector<std::size_t> pictured = objects_of(protocol, true);
-            const auto found = std::find(pictured.begin(), pictured.end(), response.object);
+            const auto found = std::ranges::find(pictured, response.object);
             return static_cast<std::size_t>(found - pictured.begin());
         }
         case ResponseKind::yes_no:
@@ -71,7 +71,7 @@ std::optional<bool> is_right(const Protocol& protocol,
     if (protocol.response.kind == ResponseKind::identification && !planned.adaptive) {
         const auto& pictures = plan.picture_order;
         const bool pictured =
-            std::find(pictures.begin(), pictures.end(), planned.condition.object) != pictures.end();
+            std::ranges::find(pictures, planned.condition.object) != pictures.end();
         return pictured ? std::optional(pictures.at(place) == planned.condition.object)
                         : std::nullopt;
     }
@@ -94,25 +94,24 @@ PendingTrials::PendingTrials(const Plan& plan, RequeueRule rule) : rule_(std::mo
 }
 
 bool PendingTrials::has(std::size_t position) const noexcept {
-    return std::find(order_.begin(), order_.end(), position) != order_.end();
+    return std::ranges::find(order_, position) != order_.end();
 }
 
 std::size_t PendingTrials::left(bool practice) const noexcept {
-    return static_cast<std::size_t>(
-        std::count_if(order_.begin(), order_.end(),
-                      [&](std::size_t position) { return (part_[position] == 0) == practice; }));
+    return static_cast<std::size_t>(std::ranges::count_if(
+        order_, [&](std::size_t position) { return (part_[position] == 0) == practice; }));
 }
 
 TrialNumber PendingTrials::number() const noexcept {
     const bool practice = !order_.empty() && part_[order_.front()] == 0;
-    const auto total = static_cast<std::size_t>(std::count_if(
-        part_.begin(), part_.end(), [&](std::size_t part) { return (part == 0) == practice; }));
+    const auto total = static_cast<std::size_t>(
+        std::ranges::count_if(part_, [&](std::size_t part) { return (part == 0) == practice; }));
     return {practice, std::min(total - left(practice) + 1, total), total};
 }
 
 void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
     const bool answered = is_answered(outcome);
-    const auto found = std::find(order_.begin(), order_.end(), position);
+    const auto found = std::ranges::find(order_, position);
     if (found == order_.end() || !(answered || is_lost(outcome))) {
         return;
     }
@@ -126,8 +125,8 @@ void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
 void PendingTrials::begin_again(std::size_t part) {
     std::erase_if(order_, [&](std::size_t position) { return part_[position] == part; });
     std::erase_if(again_, [&](const auto& again) { return part_[again.first] == part; });
-    auto at = std::find_if(order_.begin(), order_.end(),
-                           [&](std::size_t position) { return part_[position] > part; });
+    auto at =
+        std::ranges::find_if(order_, [&](std::size_t position) { return part_[position] > part; });
     for (std::size_t position = 0; position < part_.size(); ++position) {
         if (part_[position] == part) {
             at = order_.insert(at, position) + 1;
@@ -142,8 +141,8 @@ void PendingTrials::set_back(std::size_t position) {
         return;
     }
     const auto part = part_[position];  // parts follow each other in the plan, and so they do here
-    const auto first = std::find_if(order_.begin(), order_.end(),
-                                    [&](std::size_t other) { return part_[other] >= part; });
+    const auto first =
+        std::ranges::find_if(order_, [&](std::size_t other) { return part_[other] >= part; });
     const auto last =
         std::find_if(first, order_.end(), [&](std::size_t other) { return part_[other] > part; });
     const auto others = static_cast<std::uint32_t>(last - first);
@@ -158,7 +157,7 @@ SessionProgress::SessionProgress(const Protocol& protocol,
       runs_(protocol, session) {}
 
 bool SessionProgress::counts(TrialId trial) const noexcept {
-    return std::any_of(steps_.begin(), steps_.end(), [trial](const Step& step) {
+    return std::ranges::any_of(steps_, [trial](const Step& step) {
         return step.attempt && step.attempt->trial == trial && step.attempt->counts;
     });
 }

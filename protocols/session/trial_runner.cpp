@@ -1,6 +1,7 @@
 #include "protocols/session/trial_runner.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -218,11 +219,9 @@ std::optional<RuleAnswer> TrialRunner::answer(Running& trial, std::span<const Pr
     if (question_.kind == ResponseKind::identification) {
         response.object = plan_.picture_order.at(choice.place);
     }
-    std::vector<TrialSummary> summaries;
-    for (const IntervalResult& one : result.intervals) {
-        summaries.push_back(one.summary);
-    }
     if (!ports_.apparatus.repeats()) {
+        const auto each = std::views::transform(result.intervals, &IntervalResult::summary);
+        const std::vector<TrialSummary> summaries(each.begin(), each.end());
         result.invalid = why_invalid(protocol_, summaries, !simulated_);
     }
     result.response = response;

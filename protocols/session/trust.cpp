@@ -24,8 +24,7 @@ constexpr std::array kAway{Trip::device_lost, Trip::device_silent, Trip::device_
                            Trip::device_garbage};
 
 bool among(std::span<const Trip> causes, std::string_view word) noexcept {
-    return std::any_of(causes.begin(), causes.end(),
-                       [word](Trip cause) { return to_string(cause) == word; });
+    return std::ranges::any_of(causes, [word](Trip cause) { return to_string(cause) == word; });
 }
 
 RigTrust lowered_to(RigTrust trust, Trust state) noexcept {

@@ -49,9 +49,7 @@ TEST_CASE("in every state the page says what is, bars what cannot be asked, and 
     Told told;
     ui::PageServerSpec spec;
     spec.file = [](std::string_view path) {
-        return std::optional(page_file(path == "/"             ? "html"
-                                       : path == "/console.js" ? "js"
-                                                               : "css"));
+        return page_file(path == "/" ? "html" : path == "/console.js" ? "js" : "css");
     };
     spec.open = [&told](bool /*shown*/, bool /*still*/) {
         return [&told, said = std::string()]() mutable -> std::optional<std::string> {

@@ -1,5 +1,6 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "protocols/library/shipped.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
@@ -50,8 +51,8 @@ std::map<std::string, Order> orders_in(const fs::path& folder) {
 
 /// By code, what the shipped program draws for it.
 std::map<std::string, std::set<Order>> computed(const std::string& secret) {
-    const protocols::Protocol protocol = protocols::load_protocol(
-        fmt::format(PALPATE_SOURCE_DIR "/protocols/library/{}.toml", kStudy));
+    const protocols::Protocol protocol =
+        protocols::parse_protocol(protocols::shipped_protocol(kStudy).text, kStudy);
     std::map<std::string, std::set<Order>> orders;
     for (const std::string& code : kCodes) {
         for (const std::size_t session : {1U, 2U}) {

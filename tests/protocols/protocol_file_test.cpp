@@ -5,15 +5,10 @@
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 
 namespace {
-
-std::filesystem::path library(const std::string& name) {
-    return std::filesystem::path(PALPATE_SOURCE_DIR) / "protocols" / "library" / name;
-}
 
 /// A number as people write it: rounded to some digits, or with all of them.
 std::string number(Random& random, double lo, double hi) {
@@ -63,10 +58,14 @@ std::string random_file(Random& random) {
     return text;
 }
 
+Protocol study_of(std::string_view name) {
+    return parse_protocol(shipped_protocol(name).text, name);
+}
+
 }  // namespace
 
 TEST_CASE("the default study is the one that is described") {
-    const Protocol protocol = load_protocol(library("shape_friction.toml"));
+    const Protocol protocol = study_of("shape_friction");
     CHECK(protocol.id == "shape_friction");
     CHECK(protocol.objects.size() == 7);
     CHECK(protocol.frictions.size() == 2);
@@ -87,8 +86,8 @@ TEST_CASE("the default study is the one that is described") {
 }
 
 TEST_CASE("the demo is ten trials of the default study") {
-    const Protocol study = load_protocol(library("shape_friction.toml"));
-    const Protocol demo = load_protocol(library("shape_friction_demo.toml"));
+    const Protocol study = study_of("shape_friction");
+    const Protocol demo = study_of("shape_friction_demo");
     CHECK(std::vector(study.objects.begin(), study.objects.begin() + 5) == demo.objects);
     CHECK(study.frictions == demo.frictions);
     CHECK(study.outline == demo.outline);
@@ -111,7 +110,7 @@ TEST_CASE("what is written is read back to the last bit") {
 }
 
 TEST_CASE("whole millimetres are read as the double of their decimal in metres") {
-    const Protocol study = load_protocol(library("shape_friction.toml"));
+    const Protocol study = study_of("shape_friction");
     const std::string text = to_toml(study);
     const std::string start = "start_mm = [0, 60]";
     for (int x = -400; x <= 400; ++x) {
@@ -123,13 +122,13 @@ TEST_CASE("whole millimetres are read as the double of their decimal in metres")
 }
 
 TEST_CASE("numbers are written as short as they can be") {
-    const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
+    const std::string text = to_toml(study_of("shape_friction"));
     CHECK_THAT(text, Has("a_mm = [-40, 0]\n", "vertex_radius_mm = 3\n", "tau_slip_ms = 20\n",
                          "mu_s = 0.7\n", "noise_per_m = 2.62\n"));
 }
 
 TEST_CASE("each key is part of the hash as soon as it differs") {
-    const Protocol study = load_protocol(library("shape_friction.toml"));
+    const Protocol study = study_of("shape_friction");
     std::set<std::string> hashes{protocol_hash(study)};
     const auto differs = [&](const auto& change) {
         Protocol other = study;
@@ -162,7 +161,7 @@ TEST_CASE("each key is part of the hash as soon as it differs") {
 }
 
 TEST_CASE("the hash sees values, not spelling") {
-    std::string text = slurp(library("shape_friction.toml"));
+    std::string text(shipped_protocol("shape_friction").text);
     const std::string hash = protocol_hash(parse_protocol(text, "a"));
     const auto with = [&](const std::string& from, const std::string& to) {
         return protocol_hash(parse_protocol(replaced(text, from, to), "b"));
@@ -175,7 +174,7 @@ TEST_CASE("the hash sees values, not spelling") {
 }
 
 TEST_CASE("a byte order mark and Windows line ends do not matter") {
-    const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
+    const std::string text = to_toml(study_of("shape_friction"));
     std::string windows = "\xef\xbb\xbf";
     for (const char c : text) {
         windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
@@ -206,7 +205,7 @@ TEST_CASE("every row of the keys as Markdown has five cells, and every key a mea
 
 TEST_CASE("the reference for people names every key of the canonical text") {
     const std::string reference = key_reference();
-    Protocol study = load_protocol(library("shape_friction.toml"));
+    Protocol study = study_of("shape_friction");
     study.safety.dead_man = true;  // or the table would be left out, as would be these
     study.apparatus.damping = 0.1;
     study.design.blocks = 5;

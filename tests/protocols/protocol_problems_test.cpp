@@ -91,9 +91,9 @@ TEST_CASE("all problems of a stage are said at once, in the order of the file") 
 
 TEST_CASE("a file that cannot be read says so in the same form") {
     CHECK_THROWS_WITH(
-        load_protocol("/nowhere/p.toml"),
+        read_text("/nowhere/p.toml"),
         "/nowhere/p.toml:1:1: cannot be read: No such file or directory; check the path");
-    CHECK_THROWS_WITH(load_protocol("/"), "/:1:1: cannot be read: it is a folder; check the path");
+    CHECK_THROWS_WITH(read_text("/"), "/:1:1: cannot be read: it is a folder; check the path");
 }
 
 TEST_CASE("no file, however broken, does more than be refused line by line") {

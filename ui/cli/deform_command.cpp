@@ -11,6 +11,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/deformation_file.hpp"
+#include "protocols/file/document.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -124,7 +125,8 @@ void warn_of_step(const DeformOptions& options, const protocols::DeformationCase
 }
 
 int deform(const DeformOptions& options) {
-    const protocols::DeformationCase c = protocols::load_deformation(options.file);
+    const protocols::DeformationCase c = protocols::parse_deformation(
+        protocols::read_text(options.file, protocols::kMaxDocument), options.file);
     refuse_if(c.at_rest != options.times.empty(), "{}",
               c.at_rest ? "--times is given, but the case is static: leave out one of them"
                         : "the case is a motion: give --times 0.1,0.2 in seconds, or static = true "

@@ -11,6 +11,7 @@
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "protocols/trial/start_gate.hpp"
 #include "ui/command/command.hpp"
 #include "ui/doctor/checks.hpp"
 #include "ui/rig/device_choice.hpp"
@@ -47,9 +48,7 @@ DoctorSpec plan_of(const DoctorOptions& options) {
     if (!options.protocol.empty()) {
         plan.protocol = load_study(options.protocol).protocol;
         require_fit(*plan.protocol, plan.device, plan.rig.calibration.axes());
-        plan.start =
-            engine::Vec3(plan.protocol->apparatus.start,
-                         plan.protocol->surface ? plan.protocol->surface->start_height : 0.0);
+        plan.start = protocols::start_of(*plan.protocol);
         plan.rate_hz = plan.protocol->apparatus.rate_hz;
     }
     return plan;

@@ -9,6 +9,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "ui/command/command.hpp"
@@ -179,7 +180,8 @@ int run(const ProcedureOptions& options) {
         say("{}", protocols::procedure_key_reference());
         return 0;
     }
-    const protocols::Procedure procedure = protocols::load_procedure(options.config);
+    const protocols::Procedure procedure = protocols::parse_procedure(
+        protocols::read_text(options.config, protocols::kMaxDocument), options.config);
     const std::vector<std::string> shown = stimulus_columns(procedure);
     const std::vector<std::string_view> optional(shown.begin(), shown.end());
     const std::vector<std::string_view> wanted{"response"};

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/text.hpp"
 #include "engine/rendering/mode.hpp"
 #include "data/store/database.hpp"
 #include "ui/command/command.hpp"
@@ -42,24 +44,20 @@ double seconds_since(std::int64_t then_ns) {
     return std::round(static_cast<double>(monotonic_ns() - then_ns) * 1e-8) / 10.0;
 }
 
-/// Since its log was last written to, ms; < 0: not known.
-std::int64_t age_of_log(const std::string& database) {
+/// Since its log was last written to, ms; none: not known.
+std::optional<std::int64_t> age_of_log(const std::string& database) {
     std::error_code none;
     auto written = fs::last_write_time(database + "-wal", none);
     written = none ? fs::last_write_time(database, none) : written;
     const auto age =
         std::chrono::floor<std::chrono::milliseconds>(decltype(written)::clock::now() - written);
-    return none ? -1 : std::max<std::int64_t>(0, age.count());
+    return none ? std::nullopt : std::optional(std::max<std::int64_t>(0, age.count()));
 }
 
 /// Values are rounded to what can be seen: 10 um, 1 mN, 0.1 mm/s.
 double shown(double value, double per_unit) {
     const double rounded = std::round(value * per_unit) / per_unit;
     return std::isfinite(rounded) ? rounded : 0.0;
-}
-
-double seconds_of(const engine::TickRecord& tick, double per_unit) {
-    return shown(static_cast<double>(tick.time_ns) * 1e-9, per_unit);
 }
 
 Json point(const engine::Vec3& at, double per_unit) {
@@ -77,7 +75,7 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
     event["f"] = point(newest.force, kForce);
     Json& strips = event["strips"];
     for (const auto& [tick, speed, force_on, felt, unused] : ticks) {
-        strips["t"].push_back(seconds_of(tick, 1e4));
+        strips["t"].push_back(shown(1e-9 * static_cast<double>(tick.time_ns), 1e4));
         strips["fn"].push_back(shown(tick.normal_force, kForce));
         strips["ft"].push_back(shown(tick.tangential_force, kForce));
         strips["speed"].push_back(shown(speed, kSpeed));
@@ -112,7 +110,7 @@ public:
         const auto [there, hangs] = stands();
         state["phase_s"] = seconds_since(read->phase_ns);
         state["disk_free_mb"] = disk_free_mb_;
-        state["saved_ms"] = written_ms_ < 0 ? Json(nullptr) : Json(written_ms_);
+        state["saved_ms"] = json_or_null(written_ms_);
         state["seal"] = json_or_null(seal_);
         state["act"] = acts_;
         state["alive"] = there;
@@ -142,19 +140,14 @@ public:
         }
         asked["page"] = true;
         // The next session of the file has the name of one that is gone.
-        std::string answer = alive() ? ask_session(name, one_line(asked)).line : "";
-        while (answer.ends_with('\n')) {
-            answer.pop_back();
-        }
-        return !answer.empty() ? answer
-             : !alive()        ? answer_of(false, "the session's program is gone: nothing was done")
-             : asked["do"] == "stop"
-                 ? answer_of(false,
-                             "the session did not answer within 2 s: hands off the handle, use the "
-                             "switch of its motors; it gives no force when it goes on")
-                 : answer_of(false,
-                             "the session did not answer within 2 s: look whether it did what was "
-                             "asked");
+        const std::string answer = alive() ? ask_session(name, one_line(asked)).line : "";
+        const char* why = !alive() ? "the session's program is gone: nothing was done"
+                        : asked["do"] == "stop"
+                            ? "the session did not answer within 2 s: hands off the handle, use "
+                              "the switch of its motors; it gives no force when it goes on"
+                            : "the session did not answer within 2 s: look whether it did what "
+                              "was asked";
+        return answer.empty() ? answer_of(false, why) : std::string(trimmed(answer, "\n"));
     }
 
 private:
@@ -187,7 +180,7 @@ private:
     std::int64_t looked_ns_ = 0;
     std::string seal_;
     double disk_free_mb_ = 0.0;
-    std::int64_t written_ms_ = -1;  ///< since something was; < 0: not known
+    std::optional<std::int64_t> written_ms_{};  ///< since something was; none: not known
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
@@ -195,10 +188,10 @@ private:
 /// the force goes on or off and beside each state: browsers compute where the servo does. A page
 /// that did not ask for it shows nothing of what another one revealed. Ends with the session's
 /// process.
-class SessionStream {
-public:
-    SessionStream(std::shared_ptr<WatchedSession> watched, bool shown, bool still)
-        : watched_(std::move(watched)), shown_(shown), still_(still) {}
+struct SessionStream {
+    std::shared_ptr<WatchedSession> watched_;
+    bool shown_;
+    bool still_;
 
     std::optional<std::string> operator()() {
         if (!stands_.first) {
@@ -209,31 +202,25 @@ public:
         const bool due =
             version != version_ || stands != stands_ || monotonic_ns() - said_ns_ > kSayEvery;
         std::string text = still_ ? "" : live(due);
-        if (due) {
-            if (const std::string state = watched_->state(shown_); !state.empty()) {
-                version_ = version;
-                stands_ = stands;
-                said_ns_ = monotonic_ns();
-                text += "event: state\ndata: " + state + "\n\n";
-            }
+        if (const std::string state = due ? watched_->state(shown_) : ""; !state.empty()) {
+            version_ = version;
+            stands_ = stands;
+            said_ns_ = monotonic_ns();
+            text += "event: state\ndata: " + state + "\n\n";
         }
         return text;
     }
 
-private:
     /// @param due  a state comes with it
     [[nodiscard]] std::string live(bool due) {
         const auto [ticks, count] = watched_->reader->ticks_after(ticks_);
         ticks_ = count;
-        if (ticks.empty()) {
+        if (ticks.empty() || (!shown_ && ticks.back().force_on == force_on_ && !due)) {
             return {};
         }
         const LiveTick& newest = ticks.back();
-        if (!shown_ && newest.force_on == force_on_ && !due) {
-            return {};
-        }
         force_on_ = newest.force_on;
-        Json event{{"t", seconds_of(newest.tick, 1e3)},
+        Json event{{"t", shown(1e-9 * static_cast<double>(newest.tick.time_ns), 1e3)},
                    {"force_on", newest.force_on},
                    {"late_us", std::round(newest.tick.lateness_us)}};
         if (newest.felt && shown_) {
@@ -242,9 +229,6 @@ private:
         return event_text("live", event);
     }
 
-    std::shared_ptr<WatchedSession> watched_;
-    bool shown_;
-    bool still_;
     std::uint64_t version_ = 1;  ///< odd: of no state
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;
@@ -335,19 +319,16 @@ int run(const ConsoleOptions& options) {
         take_address(watched->name, spec);
     }
     spec.file = [](std::string_view path) {
-        const std::string_view file = path == "/"            ? console_page()
-                                    : path == "/console.css" ? console_style()
-                                    : path == "/console.js"  ? console_script()
-                                                             : "";
-        return file.empty() ? std::nullopt : std::optional(std::string(file));
+        return std::string(path == "/"              ? console_page()
+                           : path == "/console.css" ? console_style()
+                           : path == "/console.js"  ? console_script()
+                                                    : "");
     };
     spec.open = [watched, acts](bool shown, bool still) {
-        return SessionStream(watched, shown && acts, still);  // who may only look reveals nothing
+        return SessionStream{watched, shown && acts, still};  // who may only look reveals nothing
     };
     if (acts) {
-        spec.act = [watched](const std::string& line, bool gone) {
-            return watched->ask(line, gone);
-        };
+        spec.act = std::bind_front(&WatchedSession::ask, watched);
     }
     const PageServer server(std::move(spec));
     say("The experimenter's page, for your eyes alone: {}\nCtrl+C {}.\n", server.address(),
@@ -355,10 +336,8 @@ int run(const ConsoleOptions& options) {
             ? "at the session's terminal ends the session, and 10 s after it the page"
             : "ends it; the session goes on");
     std::int64_t seen_ns = monotonic_ns();
-    bool alive = true;
     while (!interrupted() && (!options.while_runs || monotonic_ns() - seen_ns < kLinger)) {
-        alive = alive && watched->alive();
-        seen_ns = alive ? monotonic_ns() : seen_ns;
+        seen_ns = watched->alive() ? monotonic_ns() : seen_ns;
         sleep_until(monotonic_ns() + 200 * kMillisecond);
     }
     return 0;

@@ -72,6 +72,10 @@ bool same_secret(std::string_view given, std::string_view secret) {
     return differs == 0;
 }
 
+int socket_of(MHD_Connection* connection) {
+    return MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+}
+
 std::string_view value_of(MHD_Connection* connection, MHD_ValueKind kind, const char* key) {
     const char* value = MHD_lookup_connection_value(connection, kind, key);
     return value == nullptr ? std::string_view() : std::string_view(value);
@@ -155,9 +159,7 @@ public:
 private:
     void comes(MHD_Connection* who) {
         const std::scoped_lock lock(mutex_);
-        const MHD_ConnectionInfo* line =
-            MHD_get_connection_info(who, MHD_CONNECTION_INFO_CONNECTION_FD);
-        all_.emplace_back(who, Descriptor(fcntl(line->connect_fd, F_DUPFD_CLOEXEC, 0)));
+        all_.emplace_back(who, Descriptor(fcntl(socket_of(who), F_DUPFD_CLOEXEC, 0)));
         if (all_.size() > kStrangers) {
             shutdown(all_.front().second.get(), SHUT_RDWR);  // its thread lets it go
             all_.pop_front();
@@ -197,9 +199,8 @@ struct PageRequest {
     /// Whoever asks came by this server's own name, and from its own page or by hand.
     [[nodiscard]] bool comes_from_here(bool acts) const {
         const std::string_view host = value_of(connection, MHD_HEADER_KIND, "Host");
-        const std::string local = "localhost:" + server.port_;
         const bool here = host == server.host_ || (server.spec_.address == PageServerSpec::kHere &&
-                                                   host == std::string_view(local));
+                                                   host == "localhost:" + server.port_);
         const std::string_view origin = value_of(connection, MHD_HEADER_KIND, "Origin");
         const std::string own =
             fmt::format("{}://{}", server.spec_.certificate.empty() ? "http" : "https", host);
@@ -213,7 +214,7 @@ struct PageRequest {
             return answer(MHD_HTTP_FORBIDDEN, "not the token of this page\n");
         }
         const std::string cookie =
-            fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", server.cookie_name_,
+            fmt::format("palpate_{}={}; HttpOnly; SameSite=Strict; Path=/{}", server.port_,
                         server.spec_.cookie, server.spec_.certificate.empty() ? "" : "; Secure");
         MHD_Response* response = response_of("");
         MHD_add_response_header(response, "Location", "/");
@@ -236,27 +237,23 @@ struct PageRequest {
                 [](void* at) { delete static_cast<Stream*>(at); });  // NOLINT: as above
             return queue(MHD_HTTP_OK, response, "text/event-stream");
         }
-        const auto file = server.spec_.file(path);
-        return !file ? answer(MHD_HTTP_NOT_FOUND, "there is no such page\n")
-                     : answer(MHD_HTTP_OK, *file, type_of(path));
+        const std::string file = server.spec_.file(path);
+        return file.empty() ? answer(MHD_HTTP_NOT_FOUND, "there is no such page\n")
+                            : answer(MHD_HTTP_OK, file, type_of(path));
     }
 
     [[nodiscard]] MHD_Result act() const {
+        constexpr const char* kJson = "application/json";
         if (!server.spec_.act) {
             return answer(MHD_HTTP_FORBIDDEN,
-                          answer_of(false, "this page may only look: --act lets it act"),
-                          "application/json");
+                          answer_of(false, "this page may only look: --act lets it act"), kJson);
         }
-        if (too_long ||
-            value_of(connection, MHD_HEADER_KIND, "Content-Type") != "application/json") {
+        if (too_long || value_of(connection, MHD_HEADER_KIND, "Content-Type") != kJson) {
             return answer(MHD_HTTP_BAD_REQUEST, answer_of(false, "one short JSON object is taken"),
-                          "application/json");
+                          kJson);
         }
-        const MHD_ConnectionInfo* line =
-            MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-        pollfd other_end{.fd = line->connect_fd, .events = POLLRDHUP, .revents = 0};
-        return answer(MHD_HTTP_OK, server.spec_.act(body, poll(&other_end, 1, 0) > 0),
-                      "application/json");
+        pollfd other_end{.fd = socket_of(connection), .events = POLLRDHUP, .revents = 0};
+        return answer(MHD_HTTP_OK, server.spec_.act(body, poll(&other_end, 1, 0) > 0), kJson);
     }
 
     [[nodiscard]] MHD_Result handle(std::string_view method, std::string_view path) const {
@@ -272,7 +269,7 @@ struct PageRequest {
             return trade();
         }
         const std::string_view cookie =
-            value_of(connection, MHD_COOKIE_KIND, server.cookie_name_.c_str());
+            value_of(connection, MHD_COOKIE_KIND, ("palpate_" + server.port_).c_str());
         if (!same_secret(cookie, server.spec_.cookie)) {
             return answer(MHD_HTTP_FORBIDDEN, "open the address that palpate console printed\n");
         }
@@ -359,7 +356,6 @@ PageServer::PageServer(PageServerSpec spec)
                             std::strerror(error)));
     port_ = std::to_string(bound->port);
     host_ = spec_.address + ":" + port_;
-    cookie_name_ = "palpate_" + port_;
 }
 
 PageServer::~PageServer() {

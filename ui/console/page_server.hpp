@@ -34,9 +34,9 @@ struct PageServerSpec {
     std::string cookie{};         ///< the token is traded for it; empty: one of its own
     std::string certificate{};    ///< PEM; empty: http
     std::string key{};            ///< PEM
-    /// What is at "/", "/console.js", ...; none: nothing is. On any thread. Its type is that of the
-    /// path's end, and HTML without one.
-    std::function<std::optional<std::string>(std::string_view path)> file{};
+    /// What is at "/", "/console.js", ...; empty: nothing is. On any thread. Its type is that of
+    /// the path's end, and HTML without one.
+    std::function<std::string(std::string_view path)> file{};
     /// @param shown  the page asks for what is felt as well
     /// @param still  it is hidden behind another one: for no more than where the session is
     std::function<EventSource(bool shown, bool still)> open{};
@@ -65,7 +65,6 @@ private:
     class Strangers;
 
     PageServerSpec spec_;
-    std::string cookie_name_;
     std::string host_;  ///< "127.0.0.1:34567"
     std::string port_;
     std::atomic<bool> ends_{false};

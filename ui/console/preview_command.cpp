@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
@@ -119,24 +120,22 @@ std::vector<FeltStimulus> stimuli_of(const protocols::Protocol& protocol) {
 class Preview {
 public:
     /// @throws std::invalid_argument for a device that cannot be felt without a window
-    explicit Preview(const PreviewOptions& options)
-        : protocol_(options.protocol), device_(options.device) {
-        if (!device_.empty()) {
-            rig_.device = parse_device(device_);
+    explicit Preview(const PreviewOptions& options) : given_(options) {
+        if (!given_.device.empty()) {
+            rig_.device = parse_device(given_.device);
             rig_.rig = rig_file_of(rig_.device, options.calibration);
             rig_.handle_free = options.handle_free;
             const auto kind = rig_.device.kind;
             refuse_if(kind == DeviceChoice::Kind::mouse || kind == DeviceChoice::Kind::replay,
                       "--device {} of a preview: give a device with force, or sim; palpate run has "
                       "the window of a pointer, and what was recorded",
-                      device_);
+                      given_.device);
             rig_.key.participant = "preview";
             rig_.screen.speed = 1.0;
             rig_.kind = held_by_a_person(kind) ? data::RunKind::pilot : data::RunKind::simulated;
-            check_record(rig_, device_, options.calibration);
-            read_stimuli();
+            check_record(rig_, given_.device, options.calibration);
         }
-        draw();
+        look();
     }
     ~Preview() { remove(folder_); }
 
@@ -158,18 +157,17 @@ public:
         for (const FeltStimulus& one : stimuli_) {
             names.push_back(one.first);
         }
-        return {drawn_, device_.empty() ? ""
-                                        : event_text("felt", {{"device", device_},
-                                                              {"stimuli", names},
-                                                              {"on", json_or_null(on_)},
-                                                              {"said", said_}})};
+        return {drawn_, given_.device.empty() ? ""
+                                              : event_text("felt", {{"device", given_.device},
+                                                                    {"stimuli", names},
+                                                                    {"on", json_or_null(on_)},
+                                                                    {"said", said_}})};
     }
     /// Any thread.
-    [[nodiscard]] std::optional<std::string> file(std::string_view path) const {
+    [[nodiscard]] std::string file(std::string_view path) const {
         const std::scoped_lock lock(mutex_);
         const std::string file = folder_ + std::string(path.substr(path.empty() ? 0 : 1));
-        return path.rfind('/') == 0 && fs::is_regular_file(file) ? std::optional(file_text(file))
-                                                                 : std::nullopt;
+        return path.rfind('/') == 0 && fs::is_regular_file(file) ? file_text(file) : "";
     }
     /// {"do": "feel", "at": 3} or {"do": "stop"}. Any thread. @return {"ok": ..., "text": ...}
     /// @param gone  whoever asked: nothing is felt for them
@@ -196,7 +194,7 @@ private:
     using Stamp = std::pair<fs::file_time_type, std::uintmax_t>;
     [[nodiscard]] Stamp stamp() const {
         std::error_code gone;
-        return {fs::last_write_time(protocol_, gone), fs::file_size(protocol_, gone)};
+        return {fs::last_write_time(given_.protocol, gone), fs::file_size(given_.protocol, gone)};
     }
     static void remove(const std::string& folder) {
         std::error_code kept;
@@ -207,11 +205,12 @@ private:
         stamp_ = stamp();
         std::string folder = new_folder();
         const std::string drawing = folder + "objects.svg";
-        auto [check, right] = said_by({"check", protocol_, "--long", "--svg", drawing});
+        auto [check, right] = said_by({"check", given_.protocol, "--long", "--svg", drawing});
         check.resize(std::min(check.size(), check.rfind("objects drawn in ")));  // in our folder
-        const auto [order, ordered] = said_by({"sequence", protocol_, "--participant", "P01"});
-        const auto [taken, pictured] = said_by({"screenshots", "--protocol", protocol_, "--width",
-                                                "960", "--height", "600", "-o", folder});
+        const auto [order, ordered] =
+            said_by({"sequence", given_.protocol, "--participant", "P01"});
+        const auto [taken, pictured] = said_by({"screenshots", "--protocol", given_.protocol,
+                                                "--width", "960", "--height", "600", "-o", folder});
         data::Json screens = data::Json::array();
         std::istringstream files(pictured ? taken : "");
         for (std::string file; std::getline(files, file);) {
@@ -222,7 +221,7 @@ private:
         const bool drawn = pictured && fs::exists(drawing);
         const std::scoped_lock lock(mutex_);
         remove(std::exchange(folder_, std::move(folder)));
-        drawn_ = event_text("drawn", {{"protocol", protocol_},
+        drawn_ = event_text("drawn", {{"protocol", given_.protocol},
                                       {"version", ++version_},
                                       {"right", right},
                                       {"check", check},
@@ -236,7 +235,7 @@ private:
         opened_.reset();
         std::vector<FeltStimulus> stimuli;
         try {
-            rig_.study = load_study(protocol_);
+            rig_.study = load_study(given_.protocol);
             stimuli = stimuli_of(rig_.study.protocol);
         } catch (const std::exception&) {  // the page has the problem at its line
         }
@@ -285,13 +284,12 @@ private:
         constexpr double kLongest = 30.0;  // s; what nobody ended ends then
         protocols::Apparatus& port = *opened_->port;
         const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.second);
-        const StopLines lines("", "preview of " + protocol_ + '\n', {},
-                              {.stop =
-                                   [&](const char*) {
-                                       stop_ = true;
-                                       port.stop();
-                                   },
-                               .types = held_by_a_person(rig_.device.kind)});
+        const auto stop = [&](const char*) {
+            stop_ = true;
+            port.stop();
+        };
+        const StopLines lines("", "preview of " + given_.protocol + '\n', {},
+                              {.stop = stop, .types = held_by_a_person(rig_.device.kind)});
         say_on_page(on_, "felt now: " + one.first);
         std::array<engine::TickRecord, 256> ticks{};
         double strongest = 0.0;
@@ -326,9 +324,8 @@ private:
         return !faulted;
     }
 
-    std::string protocol_;
-    std::string device_;  ///< as --device has it; empty: nothing is felt
-    RigSpec rig_{};       ///< its study is read anew when the protocol is saved
+    const PreviewOptions given_;
+    RigSpec rig_{};  ///< its study is read anew when the protocol is saved
     std::optional<OpenedApparatus> opened_;
     Stamp stamp_{};
     std::uint64_t version_ = 0;
@@ -340,21 +337,6 @@ private:
     std::optional<std::size_t> asked_, on_;
     std::atomic<bool> stop_{false};
 };
-
-/// What a page has not yet been told; at least once a second that it is still there.
-EventSource stream_of(const Preview& preview) {
-    return [&preview, said = std::array<std::string, 2>(),
-            said_ns = monotonic_ns()]() mutable -> std::optional<std::string> {
-        std::array now = preview.events();
-        std::string news = (now[0] != said[0] ? now[0] : "") + (now[1] != said[1] ? now[1] : "");
-        said = std::move(now);
-        if (news.empty() && monotonic_ns() - said_ns > 1'000 * kMillisecond) {
-            news = event_text("there", data::Json::object());
-        }
-        said_ns = news.empty() ? said_ns : monotonic_ns();
-        return news;
-    };
-}
 
 int run(const PreviewOptions& options) {
     std::error_code unknown;
@@ -371,13 +353,22 @@ int run(const PreviewOptions& options) {
              : path == "/preview.js"  ? std::string(preview_script())
                                       : preview.file(path);
     };
-    spec.open = [&preview](bool /*shown*/, bool /*still*/) {
-        return stream_of(preview);
+    spec.open = [&preview](bool /*shown*/, bool /*still*/) {  // what it does not know yet
+        return [&preview, said = std::array<std::string, 2>(),
+                said_ns = monotonic_ns()]() mutable -> std::optional<std::string> {
+            std::array now = preview.events();
+            std::string news =
+                (now[0] != said[0] ? now[0] : "") + (now[1] != said[1] ? now[1] : "");
+            said = std::move(now);
+            if (news.empty() && monotonic_ns() - said_ns > 1'000 * kMillisecond) {
+                news = event_text("there", data::Json::object());  // else it is given up
+            }
+            said_ns = news.empty() ? said_ns : monotonic_ns();
+            return news;
+        };
     };
     if (!options.device.empty()) {
-        spec.act = [&preview](const std::string& line, bool gone) {
-            return preview.ask(line, gone);
-        };
+        spec.act = std::bind_front(&Preview::ask, &preview);
     }
     const PageServer server(std::move(spec));
     say("{} as its participants will see it, drawn again when it is saved: {}\nCtrl+C ends it.\n",

@@ -69,14 +69,11 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
         refuse_if(true, "{}: {} has no {}", options.database, options.participant,
                   named ? "such session" : "session yet");
     }
-    const auto other = std::find_if(all.begin(), all.end(), [&](const data::SessionRow& row) {
-        return row.study != all.front().study;
-    });
-    if (other != all.end()) {
-        throw std::invalid_argument(fmt::format("{}: {} takes part in {} and in {}: give --study",
-                                                options.database, options.participant,
-                                                all.front().study, other->study));
-    }
+    const auto other = std::ranges::find_if(
+        all, [&](const data::SessionRow& row) { return row.study != all.front().study; });
+    refuse_if(other != all.end(), "{}: {} takes part in {} and in {}: give --study",
+              options.database, options.participant, all.front().study,
+              other == all.end() ? "" : other->study);
     return all.front();
 }
 

@@ -110,10 +110,8 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
     refuse_if(sessions.empty(), "{}: {} has no such session", options.database,
               options.participant);
     std::ranges::reverse(sessions);  // in the order in which they began
-    std::vector<std::int64_t> ids;
-    for (const data::SessionRow& session : sessions) {
-        ids.push_back(session.id);
-    }
+    const auto id = std::views::transform(sessions, &data::SessionRow::id);
+    const std::vector<std::int64_t> ids(id.begin(), id.end());
     const auto moved =
         data::move_sessions(database, ids, options.really, {options.reason, options.operator_name});
     for (std::size_t i = 0; i < moved.size(); ++i) {

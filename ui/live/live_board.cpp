@@ -81,12 +81,10 @@ LiveBoard::LiveBoard(LiveFacts facts,
       phase_ns_(monotonic_ns()),
       per_shown_(static_cast<std::size_t>(
           std::max(1.0, std::round(protocol.apparatus.rate_hz / kShownRate)))),
-      all_(std::make_unique<Shown>(
+      all_(std::make_shared<Shown>(
           Shown{.session = object_in(facts_.session), .device = object_in(facts_.device)})) {
     show();
 }
-
-LiveBoard::~LiveBoard() = default;
 
 void LiveBoard::enter(SessionStep phase, const protocols::TrialView* trial) noexcept {
     const protocols::TrialNumber number =

@@ -43,7 +43,6 @@ public:
               const protocols::Protocol& protocol,
               const protocols::Plan& plan,
               const protocols::OperatorDesk& desk);
-    ~LiveBoard();
 
     [[nodiscard]] const LiveFacts& facts() const noexcept { return facts_; }
     [[nodiscard]] const protocols::Protocol& protocol() const noexcept { return protocol_; }
@@ -137,7 +136,7 @@ private:
     std::uint64_t stale_ = 0;
     std::size_t per_shown_;      ///< ticks
     engine::TickRecord last_{};  ///< that was shown
-    std::unique_ptr<Shown> all_;
+    std::shared_ptr<Shown> all_;
     bool revealed_ = false;
     std::optional<protocols::Presentation> felt_{};
     std::vector<engine::Vec2> outline_;  ///< of what is felt, m; nothing before it is revealed

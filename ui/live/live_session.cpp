@@ -14,7 +14,6 @@
 #include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
 #include "data/store/uuid.hpp"
-#include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/operator_log.hpp"
 
@@ -182,7 +181,10 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
 
 // ---- on the session's thread
 
-void LiveSession::look() {
+void LiveSession::pump() {
+    if (!open_.load(std::memory_order_relaxed)) {
+        return;
+    }
     if (asked_.load(std::memory_order_relaxed)) {
         obey_all();
     }

@@ -40,11 +40,7 @@ public:
     [[nodiscard]] protocols::OperatorDesk& desk() noexcept { return desk_; }
 
     /// Does what was asked for; called again and again on the session's thread.
-    void pump() {
-        if (open_.load(std::memory_order_relaxed)) {
-            look();
-        }
-    }
+    void pump();
     /// @param look  called by pump() while nothing is felt and no answer is timed
     void beside(std::function<void()> look) { beside_ = std::move(look); }
     void marked(const protocols::MarkReply& reply, bool alarm);
@@ -76,7 +72,6 @@ private:
     void end_early(const std::string& word, const Caller& caller);
     [[nodiscard]] bool may_reveal(const std::string& word, const Caller& caller);
 
-    void look();
     void obey_all();
     void pause(const Asked& asked);
     void go_on(const Asked& asked);

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <stdexcept>
 #include <utility>
 
 #include <fcntl.h>
@@ -17,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "ui/rig/json_line.hpp"
@@ -209,9 +209,8 @@ void StopLines::await_button() {
 }
 
 StopButton::StopButton(std::string file) : file_(std::move(file)) {
-    if (const std::string wrong = open_it(); !wrong.empty()) {
-        throw std::invalid_argument(fmt::format("--stop-button {}: {}", file_, wrong));
-    }
+    const std::string wrong = open_it();
+    refuse_if(!wrong.empty(), "--stop-button {}: {}", file_, wrong);
 }
 
 std::string StopButton::open_it() {

@@ -95,12 +95,10 @@ SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
     }
     apparatus_ = std::move(opened.port);
     opened_ = std::move(opened.provenance);
-    answers_ = std::make_unique<protocols::SimulatedObserver>(
+    answers_ = std::make_shared<protocols::SimulatedObserver>(
         of.study.protocol, stream, plan_.picture_order,
         [port = apparatus_.get()] { return port->hand_is_done(); }, person);
 }
-
-SimulatedSession::~SimulatedSession() = default;
 
 protocols::SessionEnd SimulatedSession::run(protocols::Recorder& recorder,
                                             protocols::SessionProgress progress,

@@ -41,7 +41,6 @@ class SimulatedSession {
 public:
     /// @throws as open_apparatus(); protocols::OrderError
     SimulatedSession(const SimulatedStudy& of, std::size_t index);
-    ~SimulatedSession();
 
     [[nodiscard]] const protocols::Plan& plan() const noexcept { return plan_; }
     /// What is to be known of device and protocol together (OpenedApparatus::findings).
@@ -71,7 +70,7 @@ private:
     protocols::SessionKey key_;
     protocols::Plan plan_{};
     std::unique_ptr<protocols::Apparatus> apparatus_;
-    std::unique_ptr<protocols::SimulatedObserver> answers_;
+    std::shared_ptr<protocols::SimulatedObserver> answers_;
     std::vector<std::string> findings_;
     std::vector<std::pair<std::string, std::string>> opened_;  ///< provenance of the apparatus
 };
