@@ -21,7 +21,7 @@
 
 namespace palpate::data {
 
-/// Writes the trace of the running trial in chunks of codec 2. A chunk that is not full yet is a
+/// Writes the trace of the running trial in chunks of kTraceCodec. A chunk that is not full yet is a
 /// row too, replaced by a longer one at every save(): whatever ends the program, the last save()
 /// stands.
 ///

@@ -99,7 +99,7 @@ struct StoredColumn {
     std::size_t offset;  ///< exact: of the value in TickRecord
 };
 
-/// The twelve of `ColumnId`, then the exact ones.
+/// The sixteen of `ColumnId`, then the exact ones.
 [[nodiscard]] std::span<const StoredColumn> stored_columns() noexcept;
 [[nodiscard]] std::string_view to_string(Rule rule) noexcept;
 
