@@ -113,7 +113,7 @@ TEST_CASE("a session goes on with its own pictures, and so does the participant'
         // Another plan would be refused here.
         CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
     }
-    CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
+    CHECK(open(database, protocol, "R0", data::RunKind::real, 2U) == first);
     CHECK(data::orders_of(database, data::Balanced::pictures, "small", {"R1", 1}).others.size() ==
           11);
 }

@@ -165,7 +165,8 @@ struct FinishedRun : Kinds {
                 Apparatus& rig,
                 Patient& observer,
                 OperatorDesk* desk = nullptr) {
-        CHECK((run_on(protocol, rig, observer, *this, desk).why == SessionEnd::Why::finished));
+        const SessionEnd end = run_on(protocol, rig, observer, *this, desk);
+        CHECK((end.why == SessionEnd::Why::finished));
     }
 };
 
