@@ -119,6 +119,14 @@ TEST_CASE("d' gives back the share that it came from, by closed forms for two an
     CHECK(data::share_correct(0.0, m) == Approx(1.0 / m).epsilon(1e-13));
 }
 
+TEST_CASE("d' gives back a share next to one or none, too, of up to a million answers") {
+    EACH(n, 100, 10'000, 100'000, 1'000'000);
+    EACH(m, 3, 8, 100, 1000);
+    const double end = 0.5 / n;
+    CHECK(1.0 - data::share_correct(data::d_prime(n, n, m), m) == Approx(end).epsilon(1e-6));
+    CHECK(data::share_correct(data::d_prime(0, n, m), m) == Approx(end).epsilon(1e-6));
+}
+
 TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL") {
     Asked asked;
     CHECK_THAT(asked.error("SELECT wilson_low(5, 3)"), Has("0 <= k <= n"));

@@ -124,15 +124,17 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
     CHECK(sql_row(file,
                   "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE "
                   "counts") == "10,4");
-    // Ticks outside and inside; those with a force outside, and with a pull or more than 10 N
-    // inside; the most beyond the cone, and the highest mu.
+    // Ticks outside and inside; those that are not without any force outside, or not a push of at
+    // most 10 N inside (a force that is no number is NULL); the most beyond the cone, and the
+    // highest mu.
     CHECK(sql_row(file,
-                  "SELECT sum(outside) > 10000, sum(NOT outside) > 10000, sum(outside AND "
-                  "(rendered_x_n <> 0 OR rendered_y_n <> 0 OR commanded_x_n <> 0 OR commanded_y_n "
-                  "<> 0)), sum(NOT outside AND (rendered_normal_n < 0 OR commanded_x_n * "
-                  "commanded_x_n + commanded_y_n * commanded_y_n > 100 + 1e-9)), max(iif(outside, "
-                  "-1, abs(rendered_tangential_n) - iif(friction = 'on', 0.7, 0) * "
-                  "rendered_normal_n)) <= 1e-9, max(iif(outside, 0, mu)) <= 0.7 FROM (SELECT *, "
+                  "SELECT sum(outside) > 10000, sum(NOT outside) > 10000, sum(NOT "
+                  "coalesce(iif(outside, rendered_x_n = 0 AND rendered_y_n = 0 AND rendered_z_n = "
+                  "0 AND commanded_x_n = 0 AND commanded_y_n = 0 AND commanded_z_n = 0, "
+                  "rendered_normal_n >= 0 AND commanded_x_n * commanded_x_n + commanded_y_n * "
+                  "commanded_y_n + commanded_z_n * commanded_z_n <= 100 + 1e-9), 0)), "
+                  "max(iif(outside, -1, abs(rendered_tangential_n) - iif(friction = 'on', 0.7, 0) "
+                  "* rendered_normal_n)) <= 1e-9, max(iif(outside, 0, mu)) <= 0.7 FROM (SELECT *, "
                   "mode = 'free' AS outside FROM sample JOIN analysis_trial USING (trial_id) WHERE "
-                  "counts)") == "1,1,0,0,1,1");
+                  "counts)") == "1,1,0,1,1");
 }
