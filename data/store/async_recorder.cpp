@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::data {
 
 /// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk
@@ -146,11 +148,16 @@ bool AsyncRecorder::save() {
     return saved;
 }
 
+protocols::Event AsyncRecorder::dated(protocols::Event event) {
+    event.when_ns = event.when_ns == 0 ? monotonic_ns() : event.when_ns;
+    return event;
+}
+
 void AsyncRecorder::event_soon(protocols::Event event, std::function<void()> stored) {
     const std::scoped_lock lock(mutex_);
     if (!error_) {
         queue_ticks();
-        work_.emplace([this, event = std::move(event), stored = std::move(stored)] {
+        work_.emplace([this, event = dated(std::move(event)), stored = std::move(stored)] {
             recorder_.event(event);
             stored();
         });

@@ -44,8 +44,9 @@ public:
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override {
         wait_for([&] { recorder_.end_trial(trial, result); });
     }
+    /// It happens now, however long a lock of another program keeps it back.
     void event(const protocols::Event& event) override {
-        wait_for([&] { recorder_.event(event); });
+        wait_for([&, now = dated(event)] { recorder_.event(now); });
     }
     void finish_session() override {
         wait_for([&] { recorder_.finish_session(); });
@@ -56,6 +57,7 @@ public:
     void event_soon(protocols::Event event, std::function<void()> stored);
 
 private:
+    [[nodiscard]] static protocols::Event dated(protocols::Event event);
     /// With the lock: the ticks that append() gathered become work.
     void queue_ticks();
     void wait_for(std::function<void()> work);

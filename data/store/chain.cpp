@@ -292,8 +292,8 @@ std::string add_event(Database& database,
             .set("trial_id", event.trial)
             .set("event_kind", to_string(event.kind))
             .set("text", event.text)
-            .set("at_utc", database.utc_now())
-            .set("at_ns", database.steady_now())
+            .set("at_utc", database.utc_now(event.when_ns))
+            .set("at_ns", database.steady_now(event.when_ns))
             .set("operator", said(operator_name))
             .set("trials_begun",
                  database.first("SELECT count(*) FROM trial WHERE session_id = ?1", session)

@@ -89,7 +89,16 @@ FirstPage first_page(sqlite3* handle) {
     return application == 0 && pages <= 1 ? FirstPage::blank : FirstPage::theirs;
 }
 
-std::string utc_text(const timespec& now) {
+/// Since 1970.
+std::int64_t wall_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+std::string utc_text(std::int64_t since_1970_ns) {
+    const timespec now{.tv_sec = since_1970_ns / 1'000'000'000,
+                       .tv_nsec = since_1970_ns % 1'000'000'000};
     tm utc{};
     gmtime_r(&now.tv_sec, &utc);
     return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
@@ -361,21 +370,16 @@ Snapshot::~Snapshot() {
 }
 
 std::string utc_now() {
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
-    return utc_text(now);
+    return utc_text(wall_ns());
 }
 
-std::string Database::utc_now() const {
-    if (!clock_) {
-        return data::utc_now();
-    }
-    const std::int64_t ns = clock_();
-    return utc_text({.tv_sec = ns / 1'000'000'000, .tv_nsec = ns % 1'000'000'000});
+std::string Database::utc_now(std::int64_t then) const {
+    const std::int64_t ago = then == 0 ? 0 : monotonic_ns() - then;
+    return utc_text(clock_ ? clock_() : wall_ns() - ago);
 }
 
-std::int64_t Database::steady_now() const {
-    return clock_ ? clock_() : monotonic_ns();
+std::int64_t Database::steady_now(std::int64_t then) const {
+    return clock_ ? clock_() : then == 0 ? monotonic_ns() : then;
 }
 
 }  // namespace palpate::data

@@ -71,9 +71,10 @@ public:
     /// clocks of this machine.
     void set_clock(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
     /// Now, as utc_now() says it.
-    [[nodiscard]] std::string utc_now() const;
-    /// Now on a clock that nobody sets, ns.
-    [[nodiscard]] std::int64_t steady_now() const;
+    /// @param then  of monotonic_ns(): not now but then, on a clock of this machine; 0: now
+    [[nodiscard]] std::string utc_now(std::int64_t then = 0) const;
+    /// Now on a clock that nobody sets, ns. @param then  as utc_now()'s
+    [[nodiscard]] std::int64_t steady_now(std::int64_t then = 0) const;
 
     /// Where this connection made the file, and nobody is in it: takes it away again, so that what
     /// failed leaves nothing behind.

@@ -50,6 +50,8 @@ OutcomeModel two_outcomes(Family family, LapseForm form, SlopeAs slope_as, bool 
         chances[1] = probability(f, x[0]);
         chances[0] = 1.0 - chances[1];
     };
+    model.same = fmt::format("{} {} {} {}", static_cast<int>(family), static_cast<int>(form),
+                             static_cast<int>(slope_as), tilted);
     return model;
 }
 
@@ -145,6 +147,7 @@ OutcomeModel identification_model(const std::vector<double>& alternatives) {
     model.stimulus = {"stimulus"};
     model.parameters = {"noise", "bias", "lapse"};
     model.outcomes = criteria.size() + 1;
+    model.same = fmt::format("{}", fmt::join(alternatives, " "));
     model.chances = [criteria = std::move(criteria)](std::span<const double> x,
                                                      std::span<const double> s,
                                                      std::span<double> chances) {
@@ -235,11 +238,16 @@ LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid p
               "{} stimuli, {} parameter cells and {} outcomes need {:.0f} MB of tables, more than "
               "{} MB: give fewer values to the longest axis",
               stimuli_.size(), parameters_.size(), outcomes_,
-              1e-6 * static_cast<double>(sizeof(double) * (outcomes_ + 1)) *
-                  static_cast<double>(stimuli_.size()) * static_cast<double>(parameters_.size()),
-              kMaxBytes / 1'000'000);
+              megabytes(model, stimuli_, parameters_), kMaxBytes / 1'000'000);
     values_.resize(stimuli_.size() * parameters_.size() * (outcomes_ + 1));
     fill(model);
+}
+
+double LikelihoodTable::megabytes(const OutcomeModel& model,
+                                  const Grid& stimuli,
+                                  const Grid& parameters) noexcept {
+    return 1e-6 * static_cast<double>(sizeof(double) * (model.outcomes + 1)) *
+           static_cast<double>(stimuli.size()) * static_cast<double>(parameters.size());
 }
 
 void LikelihoodTable::fill(const OutcomeModel& model) {

@@ -41,6 +41,7 @@ struct OutcomeModel {
         SlopeAs slope_as = SlopeAs::slope;
     };
     std::optional<Shape> shape{};
+    std::string same{};  ///< models that have the same one give the same chances; empty: none does
 };
 
 /// A yes/no or correct/wrong answer: outcome 1 with the chance of a psychometric function of
@@ -77,6 +78,8 @@ struct OutcomeModel {
 struct Axis {
     std::string name;
     std::vector<double> values;  ///< finite, strictly increasing, at least one
+
+    friend bool operator==(const Axis&, const Axis&) = default;
 };
 
 /// The product of its axes. Cells are numbered with the last axis running fastest.
@@ -136,6 +139,10 @@ public:
     [[nodiscard]] const Grid& stimuli() const noexcept { return stimuli_; }
     [[nodiscard]] const Grid& parameters() const noexcept { return parameters_; }
     [[nodiscard]] std::size_t outcomes() const noexcept { return outcomes_; }
+    /// Of a table, not yet made.
+    [[nodiscard]] static double megabytes(const OutcomeModel& model,
+                                          const Grid& stimuli,
+                                          const Grid& parameters) noexcept;
 
     /// P(outcome | stimulus, cell) for all cells.
     [[nodiscard]] std::span<const double> chances(std::size_t stimulus,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <mutex>
 #include <ranges>
 #include <stdexcept>
 #include <utility>
@@ -37,7 +39,8 @@ double dot(std::span<const double> a, std::span<const double> b) noexcept {
            ((strand[1] + strand[5]) + (strand[3] + strand[7]));
 }
 
-constexpr double kSame = 1e-12;  ///< of entropies in bits, and of weights
+constexpr double kLargeTable = 50.0;  ///< MB: half a second and more
+constexpr double kSame = 1e-12;       ///< of entropies in bits, and of weights
 
 std::vector<double> normalised(std::span<const double> weights, const Axis& axis) {
     if (weights.empty()) {
@@ -129,7 +132,37 @@ std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
     return expected;
 }
 
+std::function<void(double)> told_of_tables;
+
+bool made_of(const LikelihoodTable& table, const QuestPlusSpec& spec) {
+    return std::ranges::equal(table.stimuli().axes(), spec.stimuli.axes()) &&
+           std::ranges::equal(table.parameters().axes(), spec.parameters.axes());
+}
+
+/// The newest table is kept: whoever reads a protocol, plans with it and reads it again from a
+/// database wants the same one, and a large one takes long.
+std::shared_ptr<const LikelihoodTable> table_of(const QuestPlusSpec& spec) {
+    static std::mutex mutex;
+    static std::shared_ptr<const LikelihoodTable> newest;
+    static std::string model;
+    const std::scoped_lock lock(mutex);
+    if (!newest || model.empty() || model != spec.model.same || !made_of(*newest, spec)) {
+        newest.reset();  // two of them may be too much
+        const double size = LikelihoodTable::megabytes(spec.model, spec.stimuli, spec.parameters);
+        if (told_of_tables && size > kLargeTable && size * 1e6 <= kMaxBytes) {
+            told_of_tables(size);
+        }
+        newest = std::make_shared<const LikelihoodTable>(spec.model, spec.stimuli, spec.parameters);
+        model = spec.model.same;
+    }
+    return newest;
+}
+
 }  // namespace
+
+void tell_of_large_tables(std::function<void(double megabytes)> told) {
+    told_of_tables = std::move(told);
+}
 
 std::vector<double> expected_entropies(const LikelihoodTable& table,
                                        std::span<const double> weights) {
@@ -158,7 +191,7 @@ std::size_t first_of_least(std::span<const double> entropies) noexcept {
 }
 
 QuestPlus::QuestPlus(const QuestPlusSpec& spec)
-    : table_(std::make_shared<const LikelihoodTable>(spec.model, spec.stimuli, spec.parameters)),
+    : table_(table_of(spec)),
       shape_(spec.model.shape),
       posterior_(spec.parameters, spec.prior),
       max_trials_(spec.trials),

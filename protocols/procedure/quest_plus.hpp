@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,6 +24,10 @@ namespace palpate::protocols {
 /// the cells do it.
 [[nodiscard]] std::vector<double> expected_entropies(const LikelihoodTable& table,
                                                      std::span<const double> weights);
+
+/// From now on `told` is called before a table of more than 50 MB is made, which takes up to half a
+/// minute. Before any QuestPlus is made; on the thread that makes one.
+void tell_of_large_tables(std::function<void(double megabytes)> told);
 
 struct CellGroups;  // which combination of the wanted parameters each cell has
 

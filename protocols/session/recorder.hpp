@@ -180,6 +180,8 @@ struct Event {
     std::optional<double> duration_s{};
     std::string key{};
     std::string value{};
+    /// When it happened or was asked for, as monotonic_ns(); 0: when it is stored.
+    std::int64_t when_ns{};
 
     friend bool operator==(const Event&, const Event&) = default;
 };

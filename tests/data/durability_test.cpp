@@ -195,6 +195,44 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good")
     CHECK(count(analyst, "response") == 1);
 }
 
+TEST_CASE("what a lock keeps back is stored with the time when it happened") {
+    SmallSession session;
+    const std::string file = session.folder.file("a.sqlite");
+    const auto asked = palpate::monotonic_ns();
+    {
+        data::AsyncRecorder recorder(session.recorder, 5ms);
+        Database analyst(file, Access::write);
+        analyst.execute("BEGIN IMMEDIATE");
+        recorder.event_soon({.text = "soon"}, [] {});
+        recorder.event_soon({.text = "earlier", .when_ns = asked - 2'000'000'000}, [] {});
+        std::thread ends([&] {
+            std::this_thread::sleep_for(1500ms);
+            analyst.execute("COMMIT");
+        });
+        recorder.event({.text = "waits"});
+        ends.join();
+    }
+    const auto stored_ns = palpate::monotonic_ns();
+    const auto since = [&](const std::string& text) {
+        return session.database.first("SELECT at_ns FROM event WHERE text = ?1", text).integer(0) -
+               asked;
+    };
+    CHECK(since("earlier") == -2'000'000'000);
+    for (const char* text : {"soon", "waits"}) {
+        CHECK(since(text) >= 0);
+        CHECK(since(text) < stored_ns - asked - 1'400'000'000);
+    }
+    // The wall's clock says the same to the ms.
+    const double between = session.database
+                               .first(
+                                   "SELECT (julianday(w.at_utc) - julianday(e.at_utc)) * 86400 "
+                                   "FROM event w, event e WHERE w.text = 'waits' AND e.text = "
+                                   "'earlier'")
+                               .real(0);
+    CHECK(between ==
+          Approx(1e-9 * static_cast<double>(since("waits") + 2'000'000'000)).margin(2e-3));
+}
+
 TEST_CASE("ticks that come slowly are saved by the clock, not by their number") {
     SmallSession session;
     const std::string file = session.folder.file("a.sqlite");

@@ -189,6 +189,26 @@ TEST_CASE("a reconnection starts a new guard for one that is gone") {
     CHECK(board.journal().setups >= 1);  // a busy machine may need a second
 }
 
+TEST_CASE("however long a guard spoke with the board alone, its answers do not cost the place") {
+    EmulatedBoard board(haply_machine(), guided_hand());
+    auto own = std::make_unique<GuardProcess>(GuardTiming{.wait_ms = 1, .alive_ms = 5000});
+    const GuardProcess& guard = *own;
+    BoardDevice device(haply_machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+                       std::move(own), {.silence = 5.0});
+    REQUIRE(eventually([&] {
+        static_cast<void>(device.read());
+        device.write({0.3, 0.3, 0.0});
+        return !board.motors().off();
+    }));
+    REQUIRE(eventually([&] { return guard.tripped(); }));
+    std::this_thread::sleep_for(std::chrono::seconds(4));  // 30 kB of answers, more or less
+    CHECK(device.read().fault == DeviceFault::held);
+    CHECK(device.prove_zero());
+    CHECK(eventually([&] { return device.reconnect(); }));
+    CHECK(device.homings() == 0);
+    CHECK(device.read().ok());
+}
+
 TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const BoardBytes setup =

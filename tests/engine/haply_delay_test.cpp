@@ -178,6 +178,8 @@ TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoev
     CHECK(bench.board.torque() == Vec3{});
     CHECK(bench.board.zero_since() - 1e-9 * static_cast<double>(cause) < 0.050);
     CHECK(bench.device->read().fault == DeviceFault::garbage);
+    CHECK_FALSE(bench.device->reconnect());  // it may be anywhere
+    CHECK_THAT(bench.device->trouble(), Has("put the handle at its home pose (0, 60) mm"));
     CHECK(bench.device->reconnect());  // the handle rests where it is: at home
     CHECK(bench.tick({0.3, 0.0}).ok());
 }

@@ -223,6 +223,29 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     CHECK_THROWS_WITH(bench.open(), Has("no guard process"));
 }
 
+TEST_CASE("a board that lost its place in a hang asks for home first, and costs one fault",
+          "[haply]") {
+    HaplyBench bench;
+    bench.open({.still = 0.5});
+    bench.ticks({0.3, 0.3}, 10);
+    const bool hung = GENERATE(true, false);
+    hung ? bench.guard.tripped = true : bench.guard.alive = false;
+    CHECK(bench.ticks({0.3, 0.3}, 3).fault == (hung ? DeviceFault::held : DeviceFault::unguarded));
+    bench.board.power_cycle();
+    bench.plant.lead({0.02, 0.03});
+    CHECK(bench.device->prove_zero());
+    CHECK_FALSE(bench.device->reconnect());  // it rests, but nobody put it there
+    CHECK_THAT(bench.device->trouble(), Has("put the handle at its home pose (0, 60) mm"));
+    bench.plant.lead(*bench.machine.home);
+    CHECK(bench.device->reconnect());
+    CHECK(bench.device->homings() == 1);
+    bench.plant.lead({-0.01, 0.05});
+    const Reading reading = bench.ticks({0.3, 0.3}, 5);
+    CHECK(reading.ok());
+    CHECK(glm::length(Vec2(reading.hip) - Vec2{-0.01, 0.05}) < 3e-4);
+    CHECK_FALSE(bench.board.torque() == Vec3{});
+}
+
 TEST_CASE("in five minutes of random faults the driver never sends what it must not", "[haply]") {
     SEEDED(random, std::uint64_t{30});
     HaplyBench bench;

@@ -171,6 +171,54 @@ TEST_CASE("the state of a run is the same to the bit with every compiler and C l
           "7f730dd12d5471d885e6cb30d5299c535f72c632815e2b3dc2b85dc50da162cd");
 }
 
+TEST_CASE("a table is computed once for equal models and grids, and anew for any other") {
+    QuestPlusSpec spec{.model = psychometric_model(Family::normal, LapseForm::upper),
+                       .stimuli = Grid({{"stimulus", evenly(-3, 3, 31)}}),
+                       .parameters = Grid({{"threshold", evenly(-2, 2, 21)},
+                                           {"slope", {0.5, 1.0, 2.0}},
+                                           {"guess", {0.5}},
+                                           {"lapse", {0.01}}})};
+    std::size_t asked = 0;
+    const auto counted = [&](OutcomeModel model) {
+        model.chances = [&asked, chances = model.chances](auto x, auto s, auto p) {
+            ++asked;
+            chances(x, s, p);
+        };
+        return model;
+    };
+    const auto cost = [&] {
+        const std::size_t before = asked;
+        const QuestPlus quest(spec);
+        CHECK(quest.next() == QuestPlus(spec).next());
+        return asked - before;
+    };
+    spec.model = counted(spec.model);
+    const std::size_t cells = spec.parameters.size() * spec.stimuli.size();
+    CHECK(cost() == cells);
+    CHECK(cost() == 0);
+    spec.trials = 3;  // the table does not depend on it
+    CHECK(cost() == 0);
+    spec.stimuli = Grid({{"stimulus", evenly(-3, 3, 32)}});
+    CHECK(cost() == cells / 31 * 32);
+    spec.model = counted(psychometric_model(Family::logistic, LapseForm::upper));
+    CHECK(cost() == cells / 31 * 32);
+    spec.model = counted(psychometric_model(Family::logistic, LapseForm::guessing));
+    CHECK(cost() == cells / 31 * 32);
+    spec.model.same.clear();  // nothing says what it is
+    CHECK(cost() == 2 * (cells / 31 * 32));
+
+    std::vector<double> told;
+    tell_of_large_tables([&](double megabytes) { told.push_back(megabytes); });
+    CHECK(cost() > 0);
+    CHECK(told.empty());  // a small one
+    spec.model = psychometric_model(Family::logistic, LapseForm::guessing);
+    spec.stimuli = Grid({{"stimulus", evenly(-3, 3, 40'000)}});
+    CHECK(cost() == 0);  // not counted
+    tell_of_large_tables({});
+    REQUIRE(told.size() == 1);
+    CHECK(told[0] == Approx(8e-6 * 3 * 40'000 * 63));
+}
+
 TEST_CASE("QUEST+ ends by trials or by entropy") {
     QuestPlusSpec spec = yes_no();
     spec.trials = 7;

@@ -10,6 +10,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/keys.hpp"
+#include "protocols/procedure/quest_plus.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
@@ -184,6 +185,9 @@ void declare(CommandWords& words, RunOptions& options) {
 RigSpec rig_spec(const RunOptions& options) {
     RigSpec spec = options.rig;
     spec.key.participant = options.participant;
+    protocols::tell_of_large_tables([](double megabytes) {
+        say("Computing the table of QUEST+, {:.0f} MB: it can take half a minute.\n", megabytes);
+    });
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
     spec.rig = rig_file_of(spec.device, options.calibration);

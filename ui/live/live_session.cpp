@@ -221,7 +221,10 @@ void LiveSession::obey_all() {
 void LiveSession::note(const Asked& asked) {
     const auto trial = board_->running();
     board_->noted(asked.text, trial ? std::optional(board_->trial()) : std::nullopt);
-    recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial},
+    recorder_->event_soon({.kind = protocols::EventKind::note,
+                           .text = asked.text,
+                           .trial = trial,
+                           .when_ns = asked.when_ns},
                           [caller = asked.caller] { caller->answer(true, "noted"); });
 }
 

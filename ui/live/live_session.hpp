@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/clock.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
 #include "protocols/trial/observer_beside.hpp"
@@ -57,6 +58,7 @@ private:
         std::string text;
         std::shared_ptr<Caller> caller;
         std::int64_t trial = 0;  ///< the trial_id that is meant; 0: the running or last one
+        std::int64_t when_ns = monotonic_ns();
     };
     /// A second step: the word that has to come back, and until when.
     struct Word {

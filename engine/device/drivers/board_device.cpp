@@ -60,6 +60,11 @@ DeviceTraits BoardDevice::traits() const noexcept {
             .axes = static_cast<int>(machine_.axes())};
 }
 
+/// Somebody switches the motors off if palpate cannot, and has nothing against a force any more.
+bool BoardDevice::guarded() {
+    return guard_->watch(link_->descriptor(), line_->guard_packets());
+}
+
 /// Port, guard and set-up; the position is lost.
 bool BoardDevice::open_board() {
     guard_->release();  // its copy of a port that is gone would keep the port's name taken
@@ -68,7 +73,7 @@ bool BoardDevice::open_board() {
         trouble_ = link_->trouble();
         return false;
     }
-    if (!guard_->watch(link_->descriptor(), line_->guard_packets())) {
+    if (!guarded()) {
         link_->close();
         trouble_ =
             "no guard process can be started, so nobody would switch the motors off if palpate "
@@ -347,7 +352,8 @@ bool BoardDevice::rests() {
         first = false;
         link_->pause(10 * kMillisecond);
     }
-    return !first;
+    homeless_ = first || guarded();
+    return !first && homeless_;
 }
 
 bool BoardDevice::reconnect() {
@@ -367,17 +373,17 @@ bool BoardDevice::mend() {
     was_late_ = true;                    // what it was before the fault is believed no more
     bool back = false;
     if (homeless_) {
-        back = rests();
+        back = home_asked_ && rests();  // nobody puts it there unasked
         homeless_ = homeless_ && !back;
         homings_ += back ? 1U : 0U;
     } else if (fault_ == DeviceFault::stopped && quiet) {
-        back = line_->forgive() && guard_->watch(link_->descriptor(), line_->guard_packets());
-    } else if (fault_ != DeviceFault::lost && quiet &&
-               guard_->watch(link_->descriptor(), line_->guard_packets())) {
+        back = line_->forgive() && guarded();
+    } else if (fault_ != DeviceFault::lost && quiet && guarded()) {
         back = true;
     } else if (open_board()) {
         homeless_ = true;
     }
+    home_asked_ = homeless_;
     if (homeless_) {
         trouble_ = explained(DeviceFault::unreachable);
     }

@@ -76,7 +76,7 @@ public:
     [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }
     void forget_home() override {
         fault_ = DeviceFault::unreachable;
-        homeless_ = true;
+        homeless_ = home_asked_ = true;
     }
     [[nodiscard]] bool force_unproved() const override;
     [[nodiscard]] std::string trouble() const override {
@@ -90,6 +90,7 @@ private:
     [[nodiscard]] bool mend();
     void take_over() noexcept;
     void leave() noexcept;
+    [[nodiscard]] bool guarded();
     [[nodiscard]] bool open_board();
     [[nodiscard]] bool measure_answers();
     [[nodiscard]] bool answers_in_time();
@@ -120,6 +121,7 @@ private:
     bool left_ = false;                      ///< nobody ticks: the guard repeats zeros
     bool zero_unproved_ = false;             ///< the board may keep its last torque
     bool homeless_ = false;                  ///< set up, but where the handle was is not known
+    bool home_asked_ = false;                ///< trouble() asks for the handle at home
     std::size_t homings_ = 0;                ///< poses taken for home since it was opened
     double round_trip_ = 0.0;                ///< s, of the first set-up
     std::size_t depth_ = 0;                  ///< periods until an answer; 0: not measured yet

@@ -17,6 +17,7 @@ constexpr std::int64_t kAlone = 3 * kMillisecond;
 /// Of the makers' examples, and of motors that were not set up.
 constexpr std::array<std::uint8_t, 3> kOtherIds{3, 5, 0};
 constexpr int kSilences = 5;
+constexpr int kBuffers = 64;  ///< of the system; more than that is a board that talks unasked
 /// Together more than half a second: on a busy machine the first answers may come late, and nothing
 /// is felt yet.
 constexpr int kIntroductions = 3;
@@ -58,6 +59,19 @@ void HaplyLine::forget() noexcept {
     link_->drain();
     kept_size_ = 0;
     owed_ = 0;
+}
+
+/// And what follows: a guard that spoke for long has filled the system's buffers with answers, and
+/// they come up one by one.
+void HaplyLine::forget_backlog() noexcept {
+    for (int i = 0; i < kBuffers; ++i) {
+        forget();
+        link_->pause(kMillisecond);
+        if (link_->receive(kept_, 0) <= 0) {
+            return;
+        }
+    }
+    forget();
 }
 
 void HaplyLine::start_over() noexcept {
@@ -227,7 +241,7 @@ bool HaplyLine::silence() noexcept {
         sent = link_->send(quiet_packet(0).view());
         link_->pause(sent ? kUnderWay : kSettle);  // its answer is nobody's
     }
-    forget();
+    forget_backlog();
     bool garbage = false;
     for (int i = 0; i < kSilences; ++i) {
         sent = ask({0.0, 0.0});

@@ -44,6 +44,7 @@ private:
     [[nodiscard]] bool is_whole(double angle_deg, std::size_t port) const noexcept;
     [[nodiscard]] bool id_alone(std::size_t came) noexcept;
     void forget() noexcept;
+    void forget_backlog() noexcept;
 
     HaplyWiring wiring_;
     HaplySetup setup_;
