@@ -51,6 +51,12 @@ void add_confusion(PageWriter& page, const Study& study, const StatsReport& stat
                       .data = study.ask(page_query("confusion"))};
     const std::vector<std::string> felt = figure.data.levels("felt");
     std::vector<std::string> called = figure.data.levels("called");
+    for (const std::string& one :
+         stats.right_known && !stats.yes_no ? felt : std::vector<std::string>{}) {
+        if (std::ranges::find(called, one) == called.end()) {
+            called.push_back(one);  // nobody called it so, and it would have been right
+        }
+    }
     std::ranges::stable_sort(called, {}, [&](const std::string& one) {  // what was felt first
         return std::ranges::find(felt, one) - felt.begin();
     });

@@ -79,7 +79,8 @@ double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t l
         const bool below = std::fabs(middle - near) > kAbout ? middle < near : beyond(middle) < 0.0;
         (below ? low : high).at = middle;
     }
-    return 0.5 * (low.at + high.at);
+    const double found = 0.5 * (low.at + high.at);
+    return std::fabs(found) < 1e-12 ? 0.0 : found;  // of chance alone: none
 }
 
 YesNo yes_no(std::int64_t hits,

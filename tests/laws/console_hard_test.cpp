@@ -252,7 +252,7 @@ TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and no
         DevTools page("http://" + behind(preview.out(), "http://"));
         CHECK(page.shows("felt-said", "nothing was kept"));
         preview.signal(SIGSTOP);
-        CHECK(page.is("verdict", "palpate preview does not answer"));
+        CHECK(page.shows("verdict", "palpate preview does not answer: hands off"));
         CHECK_THAT(page.text("felt-said"), Has("the switch of the motors"));
         preview.signal(SIGCONT);
         CHECK(page.is("verdict", "it can be run"));

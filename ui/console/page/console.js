@@ -5,6 +5,7 @@
   const AGAIN_S = 5;     // a lost stream is asked for again
   const SHOWN_S = 4;     // of the strips, swept from left to right; the newest is before the gap
   const GAP_S = 0.15;
+  const SAID_S = 4;      // an answer is of its step of the session, but long enough to be read
   const DRAWN_S = 0.09;  // what is felt is drawn so often, words at each state: a browser paints where the servo computes
   const ARROW_M = 0.01;  // of a newton, in the drawing
   const ROUND_M = 0.025; // around the outline
@@ -467,7 +468,9 @@
 
   // ------------------------------------------------------------------------------------------ what is asked for
 
+  let saidAt = 0;
   function say(ok, text) {
+    saidAt = seconds();
     $('said').className = ok ? '' : 'no';
     put($('said'), text);
   }
@@ -541,7 +544,7 @@
     const typed = await ask('End the session', ['What was recorded is kept; the same run command goes on later. To end it, type ',
       word], 'The word', 'End the session');
     filled.delete($('ask-text'));
-    if (typed === null) say(true, 'The session goes on.');
+    if (typed === null) say(true, gone() ? '' : 'The session goes on.');
     else if (typed.toLowerCase() !== first.word.toLowerCase()) say(false, 'that was not the word; the session goes on');
     else if ((await act({ do: 'end', word: first.word })).word) say(false, 'that word is over; press it again');
   });
@@ -605,9 +608,10 @@
     const words = (asked ? ['shown=1'] : []).concat(document.hidden ? ['still=1'] : []);
     source = new EventSource('/stream' + (words.length > 0 ? '?' + words.join('&') : ''));
     source.addEventListener('state', event => {
-      const silent = state !== null && is(state.silent_s);
+      const before = state || {};
       state = heard(event);
-      if (silent && !is(state.silent_s)) say(true, '');
+      if ((is(before.silent_s) && !is(state.silent_s)) || (before.phase !== state.phase && seconds() - saidAt > SAID_S)) say(true, '');
+      if (gone() && $('ask').open) $('ask').close('');  // it would cover why
       stateAt = seconds();
       show();
     });
@@ -630,6 +634,7 @@
   function lose(why) {
     if (lost !== null || over()) return;
     lost = why;
+    $('ask').close('');
     show();
   }
 

@@ -1,7 +1,7 @@
 'use strict';
 {
   const $ = id => document.getElementById(id);
-  const UNKNOWN = 'no answer: hands off the handle, use the switch of the motors';
+  const UNKNOWN = 'hands off the handle, use the switch of the motors';
   const picture = (name, version, words) => {
     const figure = document.createElement('figure');
     const image = document.createElement('img');
@@ -29,7 +29,7 @@
       const answer = await fetch('/do', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(what),
         signal: AbortSignal.timeout(3000) });
       const { ok, text } = await answer.json();
-      if (!ok) $('felt-said').textContent = `${said}; not done: ${text}`;
+      $('felt-said').textContent = ok ? said : `${said}; not done: ${text}`;
     } catch (e) {
       $('felt-said').textContent = UNKNOWN;
     }
@@ -37,14 +37,16 @@
   const feel = felt => {
     $('felt').hidden = false;
     $('felt-said').textContent = said = felt.said || `One stimulus at a time, on ${felt.device}; nothing is kept.`;
-    $('felt-all').replaceChildren(...felt.stimuli.map((name, at) => {
-      const button = document.createElement('button');
-      button.type = 'button';
-      button.textContent = name;
-      button.setAttribute('aria-pressed', String(at === felt.on));
-      button.addEventListener('click', () => ask({ do: 'feel', at }));
-      return button;
-    }));
+    if (String([...$('felt-all').children].map(button => button.textContent)) !== String(felt.stimuli)) {
+      $('felt-all').replaceChildren(...felt.stimuli.map((name, at) => {
+        const button = document.createElement('button');
+        button.type = 'button';
+        button.textContent = name;
+        button.addEventListener('click', () => ask({ do: 'feel', at }));
+        return button;
+      }));
+    }
+    [...$('felt-all').children].forEach((button, at) => button.setAttribute('aria-pressed', String(at === felt.on)));
   };
   $('felt-stop').addEventListener('click', () => ask({ do: 'stop' }));
   document.addEventListener('keydown', event => {
@@ -54,7 +56,8 @@
   let heardAt = performance.now(), lost = false;
   const lose = words => {
     lost = true;
-    $('verdict').textContent = words;
+    $('verdict').className = 'wrong';
+    $('verdict').textContent = words + ($('felt').hidden ? '' : `: ${UNKNOWN}`);
     $('felt-said').textContent = UNKNOWN;
   };
   for (const [kind, take] of [['felt', feel], ['drawn', show], ['there', () => {}]]) {
