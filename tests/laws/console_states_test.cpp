@@ -86,7 +86,7 @@ TEST_CASE("in every state the page says what is, bars what cannot be asked, and 
             CHECK((page.value("document.getElementById('" + id + "').ariaDisabled") == "true") ==
                   (std::ranges::count(state["barred"], Json(id)) > 0));
         }
-        for (const int width : {390, 1120, 3840}) {
+        for (const int width : {390, 844, 1120, 3840}) {
             for (const bool dark : {false, true}) {
                 page.looks(width, dark);
                 CAPTURE(width, dark);

@@ -28,5 +28,12 @@
       bad.push('buttons that cover each other');
     }
   }));
+  for (const y of [0, 1e6]) {
+    scrollTo({ top: y, behavior: 'instant' });
+    for (const id of ['stop', 'alerts']) {
+      const box = document.getElementById(id).getBoundingClientRect();
+      if (box.top < -1 || box.bottom > innerHeight + 1) bad.push('out of sight: ' + id);
+    }
+  }
   return bad.join('\n');
 })()
