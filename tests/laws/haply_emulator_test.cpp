@@ -5,6 +5,7 @@
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/console.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 

@@ -5,6 +5,7 @@
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 
