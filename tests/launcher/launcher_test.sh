@@ -46,7 +46,7 @@ launch test -R 'a law'
 holds 'test configures with the tests' has "$calls" 'cmake -DPALPATE_TESTS=ON --preset release'
 holds 'test builds everything' has "$calls" '--target all'
 holds 'test hands its arguments to ctest' has "$calls" \
-    "ctest --test-dir $tree/build --output-on-failure -j$((5 + $(nproc))) --no-tests=error -R a law"
+    "ctest --test-dir $tree/build --output-on-failure -j$((8 + $(nproc))) --no-tests=error -R a law"
 holds 'the exit code of test is ctest'\''s' [ "$code" = 8 ]
 holds 'where something failed that computes, nothing has a second try' lacks "$calls" --rerun-failed
 echo '  Test  #2: a window' >"$machine/failed"

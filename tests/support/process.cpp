@@ -87,6 +87,10 @@ Process::~Process() {
 void Process::signal(int number) const {
     if (!done_) {  // else its number may be another's by now
         kill(pid_, number);
+        if (number == SIGSTOP) {
+            siginfo_t stopped;
+            waitid(P_PID, static_cast<id_t>(pid_), &stopped, WSTOPPED | WEXITED | WNOWAIT);
+        }
     }
 }
 

@@ -51,6 +51,7 @@ public:
     ~Process();
 
     [[nodiscard]] pid_t id() const { return pid_; }
+    /// After SIGSTOP none of its threads runs.
     void signal(int number) const;
     [[nodiscard]] bool running();
     /// What it has printed so far.
