@@ -6,7 +6,8 @@
   const SHOWN_S = 4;     // of the strips, swept from left to right; the newest is before the gap
   const GAP_S = 0.15;
   const SAID_S = 4;      // an answer is of its step of the session, but long enough to be read
-  const DRAWN_S = 0.09;  // what is felt is drawn so often, words at each state: a browser paints where the servo computes
+  const DRAWN_S = 0.09;  // what is felt is drawn so often: a browser paints where the servo computes
+  const TIMES_S = 4.5;   // what runs on by itself is written anew so often (5 s), where nothing is revealed, and at each step
   const ARROW_M = 0.01;  // of a newton, in the drawing
   const ROUND_M = 0.025; // around the outline
   const KINDS = { real: 'REAL', pilot: 'PILOT', simulated: 'SIMULATED' };
@@ -70,7 +71,7 @@
   const counted = (n, one, more) => n + ' ' + (n === 1 ? one : more || one + 's');
   const ago = ms => ms < 1000 ? Math.round(ms) + ' ms ago' : ms < 120000 ? (ms / 1000).toFixed(1) + ' s ago'
     : Math.round(ms / 60000) + ' min ago';
-  const lasted = s => s < 60 ? s.toFixed(1) + ' s' : Math.floor(s / 60) + ' min ' + Math.floor(s % 60) + ' s';
+  const lasted = s => s < 60 ? Math.floor(s) + ' s' : Math.floor(s / 60) + ' min ' + Math.floor(s % 60) + ' s';
   const worded = code => /^[a-z_]+$/.test(code) ? code.replace(/_/g, ' ') : code;
   const over = () => state !== null && (state.phase === 'ended' || is(state.ended));
   const rests = () => over() && state.ended !== 'killed';
@@ -252,9 +253,8 @@
   }
 
   function clock() {
-    const since = seconds() - stateAt;
-    const runs = state && is(state.phase_s) && !gone() && !over();
-    put($('seconds'), runs ? ', ' + lasted(state.phase_s + since) + (state.pausing && state.phase !== 'pause' ? ', then a pause' : '') : '');
+    const runs = state && is(state.phase_s) && !gone() && !over(), since = runs ? state.phase_s + seconds() - stateAt : 0;
+    put($('seconds'), (since >= 1 ? ', ' + lasted(since) : '') + (runs && state.pausing && state.phase !== 'pause' ? ', then a pause' : ''));
     const late = seconds() - heardAt + (state && state.silent_s || 0);
     put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over; this page rests.'
       : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
@@ -285,10 +285,19 @@
     showForce();
     trialRows();
     rigRows();
-    keptRows();
-    lateRows();
     notes();
     hidden();
+    times();
+  }
+  let timesAt = 0;
+  let timesOf = '';
+  function times() {
+    const of = [state.phase, state.trial, state.pausing, gone(), over()].join();
+    if (of === timesOf && !shows() && seconds() - timesAt < TIMES_S) return;
+    timesOf = of;
+    timesAt = seconds();
+    keptRows();
+    lateRows();
     clock();
   }
 
