@@ -4,7 +4,8 @@ session on the emulated Haply; from a tick to the page; processor time. Needs no
 
     python3 tests/bench/console.py build/palpate [--rounds 30] [--seconds 10] [--pages 2] [--chromium]
 
-With --chromium each page is one of its own browser, which computes on this machine too."""
+With --chromium each page is one of its own browser, which computes on this machine too. Browsers and server stand still in
+the turns without: whatever else one does in its first minutes is no cost of a page that is open."""
 import argparse
 import atexit
 import csv
@@ -12,6 +13,7 @@ import io
 import json
 import os
 import re
+import signal
 import socket
 import sqlite3
 import subprocess
@@ -21,7 +23,8 @@ import threading
 import time
 
 MARGIN_NS = 500_000_000  # of each turn, at both ends: pages come and go
-STARTS_S = 10  # a browser: that is no cost of a page that is open
+STARTS_S = 40  # a browser
+SETTLES_S = 5  # after it stood still: its page listens anew
 
 
 def spent(pid):
@@ -58,19 +61,17 @@ class Page(threading.Thread):
 
 
 class Browser:
-    heard = ()
-
     def __init__(self, port, token):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.program = subprocess.Popen(
             ['chromium', '--headless=new', '--no-sandbox', '--disable-gpu', '--no-first-run', '--remote-debugging-port=0',
              '--disable-background-networking', '--disable-component-update',
              f'--user-data-dir={self.profile.name}', f'http://127.0.0.1:{port}/?token={token}'],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        atexit.register(self.send, signal.SIGKILL)
 
-    def close(self):
-        self.program.terminate()
-        self.program.wait()
+    def send(self, number):
+        os.killpg(self.program.pid, number)
 
 
 def printed(program, pattern):
@@ -108,17 +109,24 @@ def main():
         console = subprocess.Popen([plan.palpate, 'console', file], stdout=subprocess.PIPE, text=True)
         atexit.register(console.kill)
         port, token = printed(console, r':(\d+)/\?token=(\w+)').groups()
+        browsers = [Browser(port, token) for _ in range(plan.pages * plan.chromium)]
+        time.sleep(STARTS_S * plan.chromium)
         turns, heard = [], []  # turns: (open, from, to, spent by session, by server)
         for turn in range(2 * plan.rounds):
-            pages = [(Browser if plan.chromium else Page)(int(port), token) for _ in range(plan.pages * (turn % 2))]
-            time.sleep(STARTS_S if pages and plan.chromium else 0)
+            pages = [] if plan.chromium else [Page(int(port), token) for _ in range(plan.pages * (turn % 2))]
+            for browser in browsers:
+                browser.send(signal.SIGCONT if turn % 2 else signal.SIGSTOP)
+                console.send_signal(signal.SIGCONT if turn % 2 else signal.SIGSTOP)
+            time.sleep(SETTLES_S * plan.chromium)
             begun, before = time.monotonic_ns(), (spent(run.pid), spent(console.pid))
             time.sleep(plan.seconds)
-            turns.append((bool(pages), begun + MARGIN_NS, time.monotonic_ns() - MARGIN_NS,
+            turns.append((turn % 2 == 1, begun + MARGIN_NS, time.monotonic_ns() - MARGIN_NS,
                           spent(run.pid) - before[0], spent(console.pid) - before[1]))
             for page in pages:
                 page.close()
                 heard.append(page.heard)
+        for browser in browsers:
+            browser.send(signal.SIGKILL)
         pages = [Page(int(port), token) for _ in range(plan.pages)]
         time.sleep(2)
         if run.poll() is not None:
