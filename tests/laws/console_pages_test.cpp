@@ -94,11 +94,11 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     const Browser browser = browser_of(session.program);
     CHECK_THAT(session.program.out(), Has("\nCtrl+C at the session's terminal ends the session"));
     const auto serves = [&] {
-        return browser.get("/", browser.cookie).starts_with("HTTP/1.1 200");
+        CHECK_THAT(browser.get("/", browser.cookie).substr(0, 2000), Has("HTTP/1.1 200"));
     };
-    CHECK(serves());
+    serves();
     die();
-    CHECK(serves());  // whoever comes meanwhile waits for the next one
+    serves();  // whoever comes meanwhile waits for the next one
     CHECK_THAT(session.program.error(), Has("ended, and is started again"));
     CHECK(session.state()["phase"] == "pause");
     die();
@@ -114,10 +114,10 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     const Console by_hand(session);
     CHECK(by_hand.browser->host == browser.host);
     CHECK(by_hand.browser->token == browser.token);
-    CHECK(serves());
+    serves();
     by_hand.program.signal(SIGSTOP);
     const Console beside(session);
-    CHECK(serves());  // of two that listen, the one that lives
+    serves();  // of two that listen, the one that lives
     CHECK(session.ask({{"do", "go on"}})["ok"] == true);
     CHECK(session.program.wait().code == 0);
     CHECK(session.kept("SELECT count(*) FROM response") == "4");
