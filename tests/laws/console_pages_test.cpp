@@ -1,3 +1,4 @@
+#include "ui/console/page_server.hpp"
 #include "tests/support/console.hpp"
 
 // Several pages of one session, servers that die or stand still, and another user of the machine.
@@ -121,6 +122,35 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     CHECK(session.ask({{"do", "go on"}})["ok"] == true);
     CHECK(session.program.wait().code == 0);
     CHECK(session.kept("SELECT count(*) FROM response") == "4");
+}
+
+TEST_CASE("who waits at an address before its server is there is answered as others are",
+          "[console]") {
+    std::atomic<int> answered = 0;
+    const auto serve = [&] {
+        for (int i = 0; i < 40; ++i) {
+            ui::PageServerSpec spec;
+            spec.token = spec.cookie = std::string(32, 'a');
+            spec.listening = ui::listening_at(htonl(INADDR_LOOPBACK));
+            sockaddr_in at{};
+            socklen_t length = sizeof at;
+            getsockname(spec.listening.get(), reinterpret_cast<sockaddr*>(&at), &length);
+            const std::uint16_t port = ntohs(at.sin_port);
+            HttpLine waits(port);
+            waits.say(fmt::format("GET /?token={} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n",
+                                  spec.token, port));
+            const ui::PageServer server(std::move(spec));
+            answered += waits.hear_until("\r\n\r\n").starts_with("HTTP/1.1 303") ? 1 : 0;
+        }
+    };
+    std::vector<std::thread> many;  // else no server is made to wait while it is asked
+    for (int i = 0; i < 8; ++i) {
+        many.emplace_back(serve);
+    }
+    for (std::thread& one : many) {
+        one.join();
+    }
+    CHECK(answered == 320);
 }
 
 TEST_CASE("a page of a session that is over asks nothing of the next one on its file",

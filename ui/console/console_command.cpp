@@ -7,7 +7,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sched.h>
@@ -278,10 +277,10 @@ RunningSession the_session(const std::optional<std::string>& of) {
 
 /// That of every page of the session, which holds it: one that was open goes on with this server.
 void take_address(const std::string& session, PageServerSpec& spec) {
-    const Received held = ask_session(session, R"({"do":"page"})");
+    Received held = ask_session(session, R"({"do":"page"})");
     const data::Json said = object_in(held.line);
     if (said.value("ok", false)) {
-        spec.listening = fcntl(held.file.get(), F_DUPFD_CLOEXEC, 0);  // the server closes it
+        spec.listening = std::move(held.file);
         spec.token = said.value("token", "");
         spec.cookie = said.value("cookie", "");
     }

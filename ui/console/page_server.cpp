@@ -331,31 +331,36 @@ PageServer::PageServer(PageServerSpec spec)
     const bool tls = !spec_.certificate.empty();
     refuse_if(!tls && spec_.address != PageServerSpec::kHere,
               "{}: only by TLS, with a certificate and its key", spec_.address);
+    if (spec_.listening.get() < 0) {
+        spec_.listening = listening_at(where.sin_addr.s_addr);
+        refuse_if<std::runtime_error>(spec_.listening.get() < 0, "{}",
+                                      errno == EADDRNOTAVAIL
+                                          ? no_address
+                                          : fmt::format("a page cannot be served at {}: {}",
+                                                        spec_.address, std::strerror(errno)));
+    }
+    // Whoever waits there is answered before MHD_start_daemon() returns.
+    socklen_t length = sizeof where;
+    getsockname(spec_.listening.get(), reinterpret_cast<sockaddr*>(&where), &length);  // NOLINT
+    port_ = std::to_string(ntohs(where.sin_port));
+    host_ = spec_.address + ":" + port_;
     // Without ITC its end would shut the listening socket down for every server of the session.
     const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
                            MHD_USE_POLL | MHD_USE_ITC | (tls ? unsigned{MHD_USE_TLS} : 0U);
     const MHD_OptionItem certificates[]{{MHD_OPTION_HTTPS_MEM_CERT, 0, spec_.certificate.data()},
                                         {MHD_OPTION_HTTPS_MEM_KEY, 0, spec_.key.data()},
                                         {MHD_OPTION_END, 0, nullptr}};
-    errno = 0;
     daemon_ = MHD_start_daemon(
         flags, 0, nullptr, nullptr, &PageRequest::heard, this, MHD_OPTION_LISTEN_SOCKET,
-        spec_.listening, MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
+        fcntl(spec_.listening.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_NOTIFY_COMPLETED,
         &PageRequest::completed, nullptr, MHD_OPTION_NOTIFY_CONNECTION, &Strangers::notified,
         strangers_.get(), MHD_OPTION_CONNECTION_LIMIT, kConnections,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_CONNECTION_TIMEOUT,
         kSilence, MHD_OPTION_ARRAY, tls ? certificates : certificates + 2, MHD_OPTION_END);
-    const int error = errno;
-    const MHD_DaemonInfo* bound =
-        daemon_ == nullptr ? nullptr : MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT);
     refuse_if<std::runtime_error>(
-        bound == nullptr, "{}",
-        error == EADDRNOTAVAIL ? no_address
-        : tls ? "the key is not that of the certificate, or one of them is no whole PEM"
-              : fmt::format("a page cannot be served at {}: {}", spec_.address,
-                            std::strerror(error)));
-    port_ = std::to_string(bound->port);
-    host_ = spec_.address + ":" + port_;
+        daemon_ == nullptr, "{}",
+        tls ? std::string("the key is not that of the certificate, or one of them is no whole PEM")
+            : fmt::format("a page cannot be served at {}", spec_.address));
 }
 
 PageServer::~PageServer() {

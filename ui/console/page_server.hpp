@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/descriptor.hpp"
 
 struct MHD_Daemon;
 
@@ -29,7 +30,7 @@ using EventSource = std::function<std::optional<std::string>()>;
 struct PageServerSpec {
     static constexpr const char* kHere = "127.0.0.1";
     std::string address = kHere;  ///< another one takes a certificate and its key
-    int listening = -1;           ///< a socket that listens there already; < 0: none
+    Descriptor listening{};       ///< a socket that listens there already
     std::string token{};          ///< of the address; empty: one of its own
     std::string cookie{};         ///< the token is traded for it; empty: one of its own
     std::string certificate{};    ///< PEM; empty: http

@@ -116,13 +116,8 @@ void LiveSession::answer_state(const Caller& caller) const {
 /// there, and be taken for one.
 void LiveSession::answer_page(const Caller& caller) {
     if (page_.empty()) {
-        page_socket_ = Descriptor(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-        sockaddr_in here{};
-        here.sin_family = AF_INET;
-        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        const auto* at = reinterpret_cast<const sockaddr*>(&here);  // NOLINT
-        if (bind(page_socket_.get(), at, sizeof here) != 0 ||
-            listen(page_socket_.get(), SOMAXCONN) != 0) {
+        page_socket_ = listening_at(htonl(INADDR_LOOPBACK));
+        if (page_socket_.get() < 0) {
             caller.answer(false, "there is no address for a page");
             return;
         }

@@ -6,9 +6,11 @@
 #include <cstring>
 #include <fstream>
 #include <span>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -119,6 +121,17 @@ Descriptor connect_to(const std::string& name) {
         poll(nullptr, 0, kTryMs);
     }
     return Descriptor();
+}
+
+Descriptor listening_at(std::uint32_t address) {
+    Descriptor listening(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    sockaddr_in here{};
+    here.sin_family = AF_INET;
+    here.sin_addr.s_addr = address;
+    const auto* at = reinterpret_cast<const sockaddr*>(&here);  // NOLINT
+    return bind(listening.get(), at, sizeof here) == 0 && listen(listening.get(), SOMAXCONN) == 0
+             ? std::move(listening)
+             : Descriptor();
 }
 
 std::vector<std::string> session_names(const std::optional<std::string>& database) {

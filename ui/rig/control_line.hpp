@@ -30,6 +30,9 @@ struct FileIdentity {
 
 /// < 0: nobody listens there, or too many call (errno EAGAIN).
 [[nodiscard]] Descriptor connect_to(const std::string& name);
+/// At a free port of an address of this machine (IPv4, network order), for many who call at once.
+/// < 0: errno says why.
+[[nodiscard]] Descriptor listening_at(std::uint32_t address);
 /// Where sessions of a file may listen; without one, of every session on this machine.
 [[nodiscard]] std::vector<std::string> session_names(const std::optional<std::string>& database);
 
