@@ -160,7 +160,7 @@ std::shared_ptr<const LikelihoodTable> table_of(const QuestPlusSpec& spec) {
 
 }  // namespace
 
-void tell_of_large_tables(std::function<void(double megabytes)> told) {
+void announce_large_tables(std::function<void(double megabytes)> told) {
     told_of_tables = std::move(told);
 }
 

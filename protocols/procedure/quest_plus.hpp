@@ -27,7 +27,7 @@ namespace palpate::protocols {
 
 /// From now on `told` is called before a table of more than 50 MB is made, which takes up to half a
 /// minute. Before any QuestPlus is made; on the thread that makes one.
-void tell_of_large_tables(std::function<void(double megabytes)> told);
+void announce_large_tables(std::function<void(double megabytes)> told);
 
 struct CellGroups;  // which combination of the wanted parameters each cell has
 

@@ -208,13 +208,13 @@ TEST_CASE("a table is computed once for equal models and grids, and anew for any
     CHECK(cost() == 2 * (cells / 31 * 32));
 
     std::vector<double> told;
-    tell_of_large_tables([&](double megabytes) { told.push_back(megabytes); });
+    announce_large_tables([&](double megabytes) { told.push_back(megabytes); });
     CHECK(cost() > 0);
     CHECK(told.empty());  // a small one
     spec.model = psychometric_model(Family::logistic, LapseForm::guessing);
     spec.stimuli = Grid({{"stimulus", evenly(-3, 3, 40'000)}});
     CHECK(cost() == 0);  // not counted
-    tell_of_large_tables({});
+    announce_large_tables({});
     REQUIRE(told.size() == 1);
     CHECK(told[0] == Approx(8e-6 * 3 * 40'000 * 63));
 }

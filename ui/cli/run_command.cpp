@@ -185,7 +185,7 @@ void declare(CommandWords& words, RunOptions& options) {
 RigSpec rig_spec(const RunOptions& options) {
     RigSpec spec = options.rig;
     spec.key.participant = options.participant;
-    protocols::tell_of_large_tables([](double megabytes) {
+    protocols::announce_large_tables([](double megabytes) {
         say("Computing the table of QUEST+, {:.0f} MB: it can take half a minute.\n", megabytes);
     });
     spec.study = load_study(options.protocol);

@@ -352,9 +352,9 @@ PageServer::PageServer(PageServerSpec spec)
                                         {MHD_OPTION_END, 0, nullptr}};
     daemon_ = MHD_start_daemon(
         flags, 0, nullptr, nullptr, &PageRequest::heard, this, MHD_OPTION_LISTEN_SOCKET,
-        fcntl(spec_.listening.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_NOTIFY_COMPLETED,
-        &PageRequest::completed, nullptr, MHD_OPTION_NOTIFY_CONNECTION, &Strangers::notified,
-        strangers_.get(), MHD_OPTION_CONNECTION_LIMIT, kConnections,
+        fcntl(spec_.listening.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_SOCK_ADDR, &where,
+        MHD_OPTION_NOTIFY_COMPLETED, &PageRequest::completed, nullptr, MHD_OPTION_NOTIFY_CONNECTION,
+        &Strangers::notified, strangers_.get(), MHD_OPTION_CONNECTION_LIMIT, kConnections,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_CONNECTION_TIMEOUT,
         kSilence, MHD_OPTION_ARRAY, tls ? certificates : certificates + 2, MHD_OPTION_END);
     refuse_if<std::runtime_error>(
